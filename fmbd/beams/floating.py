@@ -1,0 +1,216 @@
+"""A planar Euler-Bernoulli beam in its floating frame.
+
+The frame's origin is at the start of the beam, its x axis along the undeformed beam; the deflection is
+w(x) = S(x) e. Reference conditions tie the frame to the beam: "clamped" drops w0 and slope0 (the frame
+follows the start's cross-section), "chord" drops w0 and wn (the x axis passes through both ends).
+
+S       shape functions (nf,)              s    int S dm (nf,)
+e       elastic coordinates (nf,)          p    int x S dm + sum I_k S'(x_k) (nf,)
+M_w     int S^T S dm                       K    int EI S''^T S'' dx
+M       M_w + sum I_k S'(x_k)^T S'(x_k)
+m_k, I_k, x_k   point masses: mass, moment of inertia, position; dm includes the m_k
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fmbd.beams import modal
+from fmbd.beams.hermite import Array, interpolation
+from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points
+
+Frame = Literal["clamped", "chord"]
+
+_ROUND_OFF = 1e-9  # a position that misses the beam by less than this, in lengths, is on it
+
+
+@dataclass(frozen=True, eq=False)
+class FloatingBeam:
+    """Constants and shape functions of a beam; its nf elastic coordinates e are nodal, in order along it."""
+
+    pieces: tuple[BeamPiece, ...]
+    nodes: Array  #: node positions [m], shape (n+1,)
+    frame: Frame
+    mass: float  #: [kg]
+    first_moment: float  #: int x dm [kg m]
+    inertia: float  #: J0 = int x^2 dm + sum I_k, about the start [kg m^2]
+    s: Array  #: shape (nf,), [kg] for w, [kg m] for slope
+    p: Array  #: shape (nf,), [kg m] for w, [kg m^2] for slope
+    M: Array  #: mass matrix, shape (nf, nf)
+    M_w: Array  #: the part of M that moves transversely, shape (nf, nf)
+    K: Array  #: stiffness matrix, shape (nf, nf)
+
+    @property
+    def length(self) -> float:
+        """Length [m]."""
+        return float(self.nodes[-1])
+
+    @property
+    def dof_nodes(self) -> NDArray[np.intp]:
+        """Node of each elastic coordinate, integers, shape (nf,)."""
+        return _kept(self.nodes, self.frame) // 2
+
+    @property
+    def dof_kinds(self) -> tuple[str, ...]:
+        """'w' [m] or 'slope' [rad] for each elastic coordinate."""
+        return tuple("slope" if dof % 2 else "w" for dof in _kept(self.nodes, self.frame))
+
+    @property
+    def dof_names(self) -> tuple[str, ...]:
+        """Names of the elastic coordinates, such as ('w1', 'slope1', 'w2', 'slope2')."""
+        return tuple(f"{kind}{node}" for kind, node in zip(self.dof_kinds, self.dof_nodes, strict=True))
+
+    def shape(self, x: ArrayLike) -> Array:
+        """S at x [m]: shape (nf,) for a number, (points, nf) for an array. ValueError off the beam."""
+        return self._evaluate(x, 0)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """S' at x [m], shaped as `shape`."""
+        return self._evaluate(x, 1)
+
+    def curvature(self, x: ArrayLike) -> Array:
+        """S'' at x [m], shaped as `shape`; at an interior node that of the element on its right."""
+        return self._evaluate(x, 2)
+
+    def third_derivative(self, x: ArrayLike) -> Array:
+        """S''' at x [m], shaped as `shape`; at an interior node that of the element on its right."""
+        return self._evaluate(x, 3)
+
+    def bending_stiffness(self, x: ArrayLike) -> Array:
+        """EI [N m^2] at x [m], shaped as x; at a jump that on its right. ValueError off the beam."""
+        x = np.asarray(x, float)
+        self._check_on_beam(x)
+        return evaluate(self.pieces, "bending_stiffness", x)
+
+    def load_moments(self, x0: float, x1: float) -> tuple[float, float, Array]:
+        """x1 - x0 [m], int x dx [m^2] and int S dx, shape (nf,), over [x0, x1], where a uniform load acts.
+
+        ValueError off the beam, or if x1 < x0.
+        """
+        self._check_on_beam(np.array([x0, x1]))
+        if x0 > x1:
+            raise ValueError(f"the load ends at {x1:g} m, before its start at {x0:g} m")
+        inside = self.nodes[(self.nodes > x0) & (self.nodes < x1)]
+        x, weight = gauss_points(np.concatenate(([x0], inside, [x1])), 3)
+        return x1 - x0, (x1**2 - x0**2) / 2, weight @ self.shape(x)
+
+    def modal_basis(self) -> tuple[Array, Array]:
+        """Modes Psi, shape (nf, nf), one a column, and omega2 [rad^2/s^2], shape (nf,), ascending.
+
+        Psi^T M Psi = I to round-off, Psi^T K Psi = diag(omega2); signs do not hang on round-off.
+        """
+        return modal.modal_basis(self.M, _stiffness_root(self.pieces, self.nodes, self.frame))
+
+    def _evaluate(self, x: ArrayLike, derivative: int) -> Array:
+        x = np.asarray(x, float)
+        self._check_on_beam(x)
+        values = _shapes(self.nodes, self.frame, x.ravel(), derivative)
+        return values.reshape(*x.shape, -1)
+
+    def _check_on_beam(self, x: Array) -> None:
+        _check_positions(x, self.length, "position")
+
+
+def floating_beam(
+    pieces: Sequence[BeamPiece],
+    nodes: ArrayLike,
+    frame: Frame = "clamped",
+    point_masses: Sequence[tuple[float, float, float]] = (),
+) -> FloatingBeam:
+    """Integrate a beam's inertia and stiffness over its mesh, exactly for polynomial properties.
+
+    pieces: in order along the beam, without gaps; their boundaries need not be nodes.
+    nodes: increasing positions from 0 to the length [m], shape (n+1,).
+    point_masses: (position [m], mass [kg], moment of inertia [kg m^2]) anywhere on the beam.
+    Raises ValueError for input that does not make a beam, or that leaves an elastic coordinate without mass.
+    """
+    pieces, nodes = tuple(pieces), np.array(nodes, float)
+    _check_mesh(pieces, nodes, frame)
+    x_k, m_k, I_k = np.array(point_masses, float).reshape(-1, 3).T
+    _check_positions(x_k, float(nodes[-1]), "point mass")
+
+    x, weight = gauss_points(_breaks(pieces, nodes), 6 + degree(pieces, "mass_per_length"))
+    dm = np.concatenate((weight * evaluate(pieces, "mass_per_length", x), m_k))
+    x = np.concatenate((x, x_k))
+    if min(dm.min(), I_k.min(initial=0)) < 0:
+        raise ValueError("a beam's mass per length, point masses and inertias must not be negative")
+    S, dS_k = _shapes(nodes, frame, x), _shapes(nodes, frame, x_k, 1)
+    moving, turning = S * np.sqrt(dm)[:, None], dS_k * np.sqrt(I_k)[:, None]
+    M = _square(np.concatenate((moving, turning)))
+    _check_mass(M)
+    return FloatingBeam(
+        pieces=pieces,
+        nodes=_constant(nodes),
+        frame=frame,
+        mass=float(dm.sum()),
+        first_moment=float(dm @ x),
+        inertia=float(dm @ x**2 + I_k.sum()),
+        s=_constant(dm @ S),
+        p=_constant((dm * x) @ S + I_k @ dS_k),
+        M=_constant(M),
+        M_w=_constant(_square(moving)),
+        K=_constant(_square(_stiffness_root(pieces, nodes, frame))),
+    )
+
+
+def _kept(nodes: Array, frame: Frame) -> NDArray[np.intp]:
+    """Mesh coordinates that the reference conditions leave."""
+    mesh = np.arange(2 * len(nodes))
+    return mesh[2:] if frame == "clamped" else np.delete(mesh, [0, -2])
+
+
+def _shapes(nodes: Array, frame: Frame, x: Array, derivative: int = 0) -> Array:
+    return interpolation(nodes, x, derivative)[:, _kept(nodes, frame)]
+
+
+def _stiffness_root(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame) -> Array:
+    """G with K = G^T G: the curvatures at the Gauss points times sqrt(EI dx), shape (points, nf)."""
+    x, weight = gauss_points(_breaks(pieces, nodes), 2 + degree(pieces, "bending_stiffness"))
+    EI = evaluate(pieces, "bending_stiffness", x)
+    if EI.min() <= 0:
+        raise ValueError("a beam's bending stiffness must be positive")
+    return _shapes(nodes, frame, x, 2) * np.sqrt(EI * weight)[:, None]
+
+
+def _breaks(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
+    return np.unique(np.concatenate((nodes, [piece.start for piece in pieces[1:]])))
+
+
+def _square(factor: Array) -> Array:
+    """factor^T factor, exactly symmetric."""
+    return factor.T @ factor
+
+
+def _constant(array: Array) -> Array:
+    array.setflags(write=False)
+    return array
+
+
+def _check_mesh(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame) -> None:
+    if frame not in get_args(Frame):
+        raise ValueError(f"the frame of a beam is one of {', '.join(get_args(Frame))}, not {frame!r}")
+    if nodes.ndim != 1 or len(nodes) < 2 or nodes[0] != 0 or not np.all(np.diff(nodes) > 0):
+        raise ValueError("the nodes of a beam must be at least two increasing positions, the first of them 0")
+    ends = [0.0, *(piece.end for piece in pieces)]
+    starts = [*(piece.start for piece in pieces), nodes[-1]]
+    if not np.allclose(starts, ends, rtol=0, atol=_ROUND_OFF * nodes[-1]):
+        raise ValueError("the pieces of a beam must cover it from the first node to the last without gaps")
+
+
+def _check_positions(x: Array, length: float, what: str) -> None:
+    off = ~((x >= -_ROUND_OFF * length) & (x <= (1 + _ROUND_OFF) * length))
+    if off.any():
+        raise ValueError(
+            f"{what} {x[off].flat[0]:g} m is not on the beam, which reaches from 0 to {length:g} m"
+        )
+
+
+def _check_mass(M: Array) -> None:
+    try:
+        np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        message = "a beam needs a positive mass per length, else some of its elastic coordinates move no mass"
+        raise ValueError(message) from None

@@ -1,0 +1,57 @@
+"""Piecewise polynomial properties along a beam, and Gauss quadrature that is exact for them."""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Protocol
+
+import numpy as np
+
+from fmbd.beams.hermite import Array
+
+
+class BeamPiece(Protocol):
+    """A stretch of a beam: its properties are polynomials in the distance from `start`, ascending powers."""
+
+    @property
+    def start(self) -> float:
+        """Position along the beam [m]."""
+
+    @property
+    def end(self) -> float:
+        """Position along the beam [m]."""
+
+    @property
+    def mass_per_length(self) -> Sequence[float]:
+        """Coefficients [kg/m, kg/m^2, ...]."""
+
+    @property
+    def bending_stiffness(self) -> Sequence[float]:
+        """Coefficients [N m^2, N m, ...]."""
+
+
+def evaluate(pieces: Sequence[BeamPiece], name: str, x: Array) -> Array:
+    """The property `name` at positions x [m], shaped as x; a boundary belongs to the piece on its right."""
+    piece_at = np.searchsorted([piece.start for piece in pieces[1:]], x, side="right")
+    value = np.empty(x.shape)
+    for number, piece in enumerate(pieces):
+        inside = piece_at == number
+        value[inside] = np.polynomial.polynomial.polyval(x[inside] - piece.start, getattr(piece, name))
+    return value
+
+
+def degree(pieces: Sequence[BeamPiece], name: str) -> int:
+    """The highest polynomial degree of the property `name`."""
+    return max(len(getattr(piece, name)) for piece in pieces) - 1
+
+
+def gauss_points(breaks: Array, degree: int) -> tuple[Array, Array]:
+    """Positions and weights [m], shape (points,), exact for polynomials of `degree` between the breaks."""
+    t, weight = _gauss_rule(degree // 2 + 1)
+    half = np.diff(breaks)[:, None] / 2
+    middle = (breaks[1:] + breaks[:-1])[:, None] / 2
+    return (middle + half * t).ravel(), (half * weight).ravel()
+
+
+@cache
+def _gauss_rule(points: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(points)

@@ -1,0 +1,17 @@
+"""The exceptions that a user of fmbd meets."""
+
+from collections.abc import Iterable
+
+
+class ModelError(Exception):
+    """A model that cannot be used as it is written.
+
+    `problems` holds one line for each thing that is wrong, `file:line:column: where: what`.
+    """
+
+    def __init__(self, problems: Iterable[str]) -> None:
+        self.problems = list(problems)
+        super().__init__("\n".join(self.problems))
+
+    def __reduce__(self) -> tuple[type["ModelError"], tuple[list[str]]]:
+        return ModelError, (self.problems,)

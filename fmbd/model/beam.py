@@ -1,0 +1,160 @@
+"""Flexible beams."""
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Discriminator, Tag
+
+from fmbd.model.base import NotNegative, Number, Part, Positive, Text, Whole, short_form
+from fmbd.model.context import reference, reject
+from fmbd.model.materials import Material
+from fmbd.model.names import unknown
+from fmbd.model.pieces import LENGTH_TOLERANCE, BeamPiece, SectionLayout, beam_pieces, uniform_piece
+from fmbd.model.points import Name
+
+MAX_ELEMENTS = 100_000
+
+
+class PointMass(Part):
+    """A mass fixed to a point of a beam."""
+
+    mass: NotNegative = 0.0
+    """Mass [kg]."""
+    inertia: NotNegative = 0.0
+    """Moment of inertia [kg m^2]."""
+
+
+def _number_or_list(value: Any) -> str:
+    return "list" if isinstance(value, list | tuple) else "number"
+
+
+class Damping(Part):
+    """Damping of a beam: D = stiffness_proportional K + mass_proportional M, plus ratios of its modes."""
+
+    stiffness_proportional: NotNegative = 0.0
+    """Factor of the stiffness matrix [s]."""
+    mass_proportional: NotNegative = 0.0
+    """Factor of the mass matrix [1/s]."""
+    modal_ratios: Annotated[
+        Annotated[NotNegative, Tag("number")] | Annotated[tuple[NotNegative, ...], Tag("list")],
+        Discriminator(_number_or_list),
+    ] = 0.0
+    """Damping ratios of the modes: one for all of them, or a list for the first ones."""
+
+
+@dataclass(frozen=True, slots=True)
+class Beam:
+    """A planar Euler-Bernoulli beam along the x axis of its floating frame.
+
+    `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, with start, end and
+    node0 to nodeN; `pieces` cover the length; mass and stiffness are polynomials within each.
+    """
+
+    type: ClassVar[str] = "beam"
+    length: float
+    nodes: tuple[float, ...]
+    frame: Literal["clamped", "chord"]
+    points: dict[str, float]
+    point_masses: dict[str, PointMass]
+    damping: Damping
+    pieces: tuple[BeamPiece, ...]
+
+
+class BeamEntry(Part):
+    """A slender beam that bends in the plane."""
+
+    type: Literal["beam"]
+    length: Positive
+    """Length [m]."""
+    elements: Whole | None = None
+    """Number of equal finite elements."""
+    nodes: tuple[Number, ...] | None = None
+    """Positions of the nodes [m], from 0 to the length, instead of a number of elements."""
+    material: Annotated[Material, reference("materials", "material")] | None = None
+    """Name of a material."""
+    section: SectionLayout | None = None
+    """Name of a section, a taper {start: name, end: name}, or a list of pieces {until: position, section: ...}."""
+    mass_per_length: Positive | None = None
+    """Mass per length [kg/m], with bending_stiffness instead of material and section."""
+    bending_stiffness: Positive | None = None
+    """Bending stiffness E I [N m^2]."""
+    frame: Literal["clamped", "chord"] = "clamped"
+    """Floating frame: tangent to the beam at its start, or through both ends."""
+    points: dict[Name, NotNegative] = {}
+    """Points by name: distance from the start [m]. start, end and node0, node1, ... always exist."""
+    point_masses: dict[Text, Annotated[PointMass, short_form("mass", NotNegative | PointMass)]] = {}
+    """Masses fixed to points of the beam: a mass [kg] or {mass, inertia}."""
+    damping: Damping = Damping()
+    """Structural damping."""
+
+    def resolve(self) -> Beam:
+        """The beam with its nodes, points and properties worked out."""
+        nodes = self._mesh()
+        points = self._named_points(nodes)
+        for name in self.point_masses:
+            if name not in points:
+                reject(("point_masses", name), unknown("point", name, points))
+        return Beam(
+            self.length, nodes, self.frame, points, self.point_masses, self.damping, self._properties()
+        )
+
+    def _mesh(self) -> tuple[float, ...]:
+        if self.elements is None and self.nodes is None:
+            reject((), "missing key 'elements' (or 'nodes')")
+        if self.nodes is None:
+            return self._equal_elements(self.elements or 0)
+        if self.elements is not None:
+            reject(("nodes",), "'elements' is given too: leave out one of them")
+        return self._checked_nodes(self.nodes)
+
+    def _equal_elements(self, count: int) -> tuple[float, ...]:
+        if not 1 <= count <= MAX_ELEMENTS:
+            reject(("elements",), f"must be between 1 and {MAX_ELEMENTS}, is {count}")
+        return (*(self.length * k / count for k in range(count)), self.length)
+
+    def _checked_nodes(self, nodes: tuple[float, ...]) -> tuple[float, ...]:
+        if len(nodes) < 2:
+            reject(("nodes",), "needs at least two positions, 0 and the length")
+        if len(nodes) - 1 > MAX_ELEMENTS:
+            reject(("nodes",), f"a beam has at most {MAX_ELEMENTS} elements")
+        if nodes[0] != 0.0:
+            reject(("nodes", 0), f"the first node must be at 0, is at {nodes[0]:g}")
+        for k in range(1, len(nodes)):
+            if nodes[k] <= nodes[k - 1]:
+                reject(
+                    ("nodes", k),
+                    f"must be greater than the node before it ({nodes[k - 1]:g}), is {nodes[k]:g}",
+                )
+        if abs(nodes[-1] - self.length) > LENGTH_TOLERANCE * self.length:
+            reject(
+                ("nodes", len(nodes) - 1), f"the last node must be at {self.length:g}, is at {nodes[-1]:g}"
+            )
+        return (*nodes[:-1], self.length)
+
+    def _named_points(self, nodes: tuple[float, ...]) -> dict[str, float]:
+        points = {"start": 0.0, "end": self.length} | {f"node{k}": x for k, x in enumerate(nodes)}
+        for name, x in self.points.items():
+            if name in ("start", "end") or re.fullmatch(r"node[0-9]+", name):
+                reject(("points", name), f"the name '{name}' is kept for the beam's own points")
+            if x > self.length * (1.0 + LENGTH_TOLERANCE):
+                reject(("points", name), f"lies off the beam: {x:g} m on a length of {self.length:g} m")
+            points[name] = min(x, self.length)
+        return points
+
+    def _properties(self) -> tuple[BeamPiece, ...]:
+        by_number = ("mass_per_length", "bending_stiffness")
+        by_section = ("material", "section")
+        numbers = [key for key in by_number if getattr(self, key) is not None]
+        sections = [key for key in by_section if getattr(self, key) is not None]
+        if numbers and sections:
+            reject((numbers[0],), f"'{sections[0]}' is given too: leave out one of them")
+        for key in by_number if numbers else by_section:
+            if getattr(self, key) is None:
+                also = "" if numbers else " (or mass_per_length and bending_stiffness)"
+                reject((), f"missing key '{key}'{also}")
+        if self.material is not None and self.section is not None:
+            return beam_pieces(self.section, self.material, self.length)
+        assert self.mass_per_length is not None
+        assert self.bending_stiffness is not None
+        return (uniform_piece(self.length, self.mass_per_length, self.bending_stiffness),)

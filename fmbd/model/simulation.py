@@ -1,0 +1,35 @@
+"""How a model is simulated."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from fmbd.model.base import Part, Positive
+
+
+class Baumgarte(Part):
+    """Stabilisation of the constraints: Phi'' + 2 delta omega Phi' + omega^2 Phi = 0."""
+
+    delta: Positive = 1.0
+    """Damping ratio."""
+    omega: Positive = 700.0
+    """Natural frequency [rad/s]."""
+
+
+class Simulation(Part):
+    """Method, accuracy and output of a simulation."""
+
+    duration: Positive = 1.0
+    """Simulated time [s]."""
+    method: Literal["dop853", "rk45", "baumgarte"] = "dop853"
+    """Integrator: explicit Runge-Kutta of order 8 or 5 with projection, or the null-space Baumgarte scheme."""
+    rtol: Positive = 1e-6
+    """Relative tolerance of a step."""
+    atol: Positive = Field(default_factory=lambda data: data["rtol"] * 1e-3)
+    """Absolute tolerance of a step [m, rad, m/s, rad/s]; a thousandth of rtol when left out."""
+    output_interval: Positive = Field(default_factory=lambda data: data["duration"] / 1000.0)
+    """Time between outputs [s]; a thousandth of the duration when left out."""
+    max_step: Positive | None = None
+    """Longest step [s]."""
+    baumgarte: Baumgarte = Baumgarte()
+    """Parameters of the Baumgarte scheme."""

@@ -1,0 +1,47 @@
+"""Springs and dampers between points."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from fmbd.model.base import NotNegative, Number, Part
+from fmbd.model.context import reject
+from fmbd.model.points import PointRefField
+
+
+class PointToPointSpring(Part):
+    """A spring and damper along the line between two points."""
+
+    type: Literal["point_to_point"]
+    between: tuple[PointRefField, PointRefField]
+    """The two points: [body.point, body.point]."""
+    stiffness: NotNegative = 0.0
+    """Stiffness [N/m]."""
+    damping: NotNegative = 0.0
+    """Viscous damping [N s/m]."""
+    rest_length: NotNegative | None = None
+    """Length without force [m]; relaxed at the start when left out."""
+
+    @model_validator(mode="after")
+    def _check(self) -> "PointToPointSpring":
+        if self.between[0].body == self.between[1].body:
+            reject(("between",), f"both points belong to '{self.between[0].body}'")
+        return self
+
+
+class TorsionalSpring(Part):
+    """A spring and damper on the angle of the second point's frame minus the first's."""
+
+    type: Literal["torsional"]
+    between: tuple[PointRefField, PointRefField]
+    """The two points: [body.point, body.point]."""
+    stiffness: NotNegative = 0.0
+    """Stiffness [N m/rad]."""
+    damping: NotNegative = 0.0
+    """Viscous damping [N m s/rad]."""
+    rest_angle: Number | None = None
+    """Angle without moment [rad]; relaxed at the start when left out."""
+
+
+Spring = PointToPointSpring | TorsionalSpring
+SpringField = Annotated[Spring, Field(discriminator="type")]

@@ -1,0 +1,117 @@
+"""Signals that are read from a CSV file beside the model."""
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import PlainValidator
+
+from fmbd.model.base import Part, Text
+from fmbd.model.context import reject
+from fmbd.model.names import described, unknown
+
+MAX_BYTES = 50_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Values [signal's unit] at strictly increasing times [s], held constant outside."""
+
+    type: ClassVar[str] = "table"
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+    interpolation: Literal["linear", "cubic"]
+
+
+def _to_column(value: Any) -> str | int:
+    if isinstance(value, bool) or not isinstance(value, str | int):
+        raise ValueError(f"must be a column's header or its number from 0, not {described(value)}")
+    return value
+
+
+Column = Annotated[str | int, PlainValidator(_to_column, json_schema_input_type=str | int)]
+
+
+class TableEntry(Part):
+    """Values over time from a CSV file; before the first and after the last time the value stands still."""
+
+    type: Literal["table"]
+    file: Text
+    """The file, relative to the model's folder and inside it."""
+    time: Column = 0
+    """Column of the times [s]: its header, or its number from 0."""
+    value: Column = 1
+    """Column of the values: its header, or its number from 0."""
+    interpolation: Literal["linear", "cubic"] = "linear"
+    """Between the rows."""
+
+    def read(self, folder: Path) -> Table:
+        """The table; a file that cannot be read or is not a function of time is refused by file and line."""
+        rows = self._rows(self._locate(folder))
+        if not rows:
+            reject(("file",), f"{self.file}: the file is empty")
+        header = [] if _is_number(rows[0][1][0]) else [name.strip() for name in rows[0][1]]
+        columns = [self._column(key, header, len(rows[0][1])) for key in ("time", "value")]
+        times: list[float] = []
+        values: list[float] = []
+        for line, row in rows[1 if header else 0 :]:
+            time, value = (self._number(line, row, column) for column in columns)
+            if times and time <= times[-1]:
+                reject(
+                    ("file",),
+                    f"{self.file}:{line}: the time {time:g} does not increase (before: {times[-1]:g})",
+                )
+            times.append(time)
+            values.append(value)
+        if len(times) < 2:
+            reject(("file",), f"{self.file}: a table needs at least two rows of numbers, has {len(times)}")
+        return Table(tuple(times), tuple(values), self.interpolation)
+
+    def _locate(self, folder: Path) -> Path:
+        try:
+            root = folder.resolve()
+            path = (root / self.file).resolve()
+            if not path.is_relative_to(root):
+                reject(("file",), f"{self.file}: the file must lie in the model's folder")
+            if not path.is_file():
+                reject(("file",), f"{self.file}: there is no such file in the model's folder")
+            if path.stat().st_size > MAX_BYTES:
+                reject(("file",), f"{self.file}: the file has more than {MAX_BYTES} bytes")
+        except (OSError, RuntimeError) as error:
+            reject(("file",), f"{self.file!r}: cannot be read: {error}")
+        return path
+
+    def _rows(self, path: Path) -> list[tuple[int, list[str]]]:
+        """Line numbers and fields of all rows that are not blank."""
+        try:
+            with path.open(encoding="utf-8-sig", newline="") as file:
+                reader = csv.reader(file, skipinitialspace=True)
+                return [(reader.line_num, row) for row in reader if any(field.strip() for field in row)]
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            reject(("file",), f"{self.file}: cannot be read: {error}")
+
+    def _column(self, key: str, header: list[str], width: int) -> int:
+        column: str | int = getattr(self, key)
+        if isinstance(column, int):
+            if not 0 <= column < width:
+                reject((key,), f"{self.file} has columns 0 to {width - 1}, not {column}")
+            return column
+        if column not in header:
+            reject((key,), f"{self.file}: {unknown('column', column, header)}")
+        return header.index(column)
+
+    def _number(self, line: int, row: list[str], column: int) -> float:
+        if column >= len(row):
+            reject(("file",), f"{self.file}:{line}: column {column} is missing")
+        if not _is_number(row[column]):
+            reject(("file",), f"{self.file}:{line}: '{row[column][:40]}' is not a finite number")
+        return float(row[column])
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False

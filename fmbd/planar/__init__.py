@@ -1,0 +1,1 @@
+"""Compiled kernels of planar mechanisms: kinematics, forces, the articulated-body recursion."""

@@ -1,0 +1,251 @@
+"""The flat arrays that the compiled kernels see: one record per part, one mutable state record beside it.
+
+A mechanism is lowered to bodies joined in a tree, stations (frames fixed to bodies where things attach), pathways
+(scalar functions of the configuration) with their laws, motors, loads and constraints. Bodies are numbered parents
+first; index -1 is the ground. The records of ``Planar`` never change after assembly, those of ``Work`` are scratch.
+
+Rows: a flexible body meets the rest of the mechanism only through a few rows of numbers in its modal basis, R:
+row 0 is s = int S dm, row 1 is p = int x S dm, the others are the shape functions S(x), S'(x) of its stations and
+the shapes of its distributed loads. What a kernel needs of the elastic acceleration is y = R eta''.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+# -1 in an index field means "none".
+BODY = np.dtype(
+    [
+        ("parent", "i8"),
+        ("outer", "i8"),  # station on the parent
+        ("inner", "i8"),  # station on this body
+        ("rotor", "i8"),  # 1: the rotor of a motor
+        ("sign", "f8"),  # +1: the joint's first point is on the parent; -1: on this body
+        ("axis_c", "f8"),
+        ("axis_s", "f8"),  # direction of the joint's x axis in its first point's frame
+        ("coordinate", "i8", (3,)),  # index into q of the free x, y, angle
+        ("driver", "i8", (3,)),  # signal that prescribes x, y, angle
+        ("mass", "f8"),
+        ("mx", "f8"),
+        ("my", "f8"),  # first moment of mass in the body frame, undeformed
+        ("J", "f8"),  # moment of inertia about the frame's origin, undeformed
+        ("mode0", "i8"),
+        ("nf", "i8"),  # modal coordinates: q[first_q : first_q + nf], omega2[mode0 : ...]
+        ("first_q", "i8"),
+        ("row0", "i8"),
+        ("nrow", "i8"),
+        ("matrix0", "i8"),  # offset of R (nrow, nf) in `rows`
+        ("gram0", "i8"),  # offset of R R^T (nrow, nrow) in `gram`
+        ("coupled", "i8"),  # something with inertia hangs on a row, or the body is held by a row
+        ("station0", "i8"),
+        ("nstation", "i8"),
+        ("slot0", "i8"),
+        ("nslot", "i8"),  # constraint columns that are alive in the subtree of this body
+        ("closed", "i8"),  # of these, how many (the first ones) close at this body
+        ("block0", "i8"),  # offset of the (nslot, nslot) block of the Schur complement
+    ],
+    align=True,
+)
+
+STATION = np.dtype(
+    [("body", "i8"), ("ax", "f8"), ("ay", "f8"), ("angle", "f8"), ("row_w", "i8"), ("row_s", "i8")],
+    align=True,
+)
+
+# A pathway is the sum of coefficient * elementary length over its terms, plus an offset.
+ALONG_X, ALONG_Y, WORLD_X, WORLD_Y, ANGLE, DISTANCE = range(6)
+TERM = np.dtype(
+    [
+        ("kind", "i8"),
+        ("a", "i8"),
+        ("b", "i8"),
+        ("axis_c", "f8"),
+        ("axis_s", "f8"),
+        ("coefficient", "f8"),
+        ("slot_a", "i8"),
+        ("slot_b", "i8"),
+    ],
+    align=True,
+)
+PATHWAY = np.dtype([("term0", "i8"), ("nterm", "i8"), ("offset", "f8")], align=True)
+SPRING = np.dtype([("pathway", "i8"), ("k", "f8"), ("d", "f8"), ("rest", "f8")], align=True)
+CONSTRAINT = np.dtype([("pathway", "i8"), ("driver", "i8")], align=True)
+LOAD = np.dtype(
+    [("station", "i8"), ("fx", "i8"), ("fy", "i8"), ("moment", "i8"), ("following", "i8")], align=True
+)
+DISTRIBUTED = np.dtype(
+    [
+        ("body", "i8"),
+        ("length", "f8"),
+        ("moment", "f8"),
+        ("row", "i8"),
+        ("fx", "i8"),
+        ("fy", "i8"),
+        ("following", "i8"),
+    ],
+    align=True,
+)
+# A point moment of inertia on a beam turns with the slope: it is in R R^T = I, but not in eta.eta of the inertia.
+INERTIA = np.dtype([("body", "i8"), ("row", "i8"), ("value", "f8")], align=True)
+MOTOR = np.dtype(
+    [
+        ("pathway", "i8"),
+        ("joint_pathway", "i8"),
+        ("electric", "i8"),  # 1: the input is a voltage, 0: the input is the torque itself
+        ("Km", "f8"),
+        ("Ke", "f8"),
+        ("Ra", "f8"),
+        ("La", "f8"),
+        ("state", "i8"),  # index of the current in z
+        ("signal", "i8"),
+        ("controller", "i8"),
+    ],
+    align=True,
+)
+CONTROLLER = np.dtype(
+    [
+        ("pathway", "i8"),
+        ("kp", "f8"),
+        ("ki", "f8"),
+        ("kd", "f8"),
+        ("target", "i8"),
+        ("scale", "f8"),  # set point = scale * target + shift; target -1: shift alone
+        ("shift", "f8"),
+        ("bias", "f8"),  # constant feed-forward
+        ("feedforward", "i8"),
+        ("online", "i8"),  # index of the motor's torque among the online gravity compensation, -1: none
+        ("gravity_gain", "f8"),  # input per unit of joint torque: Ra / (Km r)
+        ("low", "f8"),
+        ("high", "f8"),
+        ("state", "i8"),
+    ],
+    align=True,
+)
+SIGNAL = np.dtype([("kind", "i8"), ("p", "f8", (6,)), ("start", "i8"), ("count", "i8")], align=True)
+
+BODY_STATE = np.dtype(
+    [(n, "f8") for n in ("x", "y", "angle", "c", "s", "vx", "vy", "w", "bx", "by", "bw", "ax", "ay", "aw")]
+    + [(n, "f8") for n in ("px", "py", "ux", "uy", "jc", "js")]
+    + [(n, "f8") for n in ("Hxx", "Hxy", "Hxz", "Hyy", "Hyz", "Hzz", "gx", "gy", "gz")]
+    + [("U", "f8", (3, 3)), ("D", "f8", (3,)), ("u", "f8", (3,))],
+    align=True,
+)
+STATION_STATE = np.dtype(
+    [(n, "f8") for n in ("x", "y", "angle", "vx", "vy", "w", "bx", "by", "bw")], align=True
+)
+# value, rate and second derivative at zero q''; the wrench (n, m) that a unit force along the term puts on a and b
+TERM_STATE = np.dtype([(n, "f8") for n in ("nx", "ny", "ma", "mb")], align=True)
+PATHWAY_STATE = np.dtype([(n, "f8") for n in ("value", "rate", "bias")], align=True)
+# One row of a flexible body: R eta, R eta', its part of H, its force, y without and with the body's acceleration
+ROW_STATE = np.dtype(
+    [(n, "f8") for n in ("value", "rate", "Hx", "Hy", "Hz", "g", "free", "y", "push")], align=True
+)
+# One column of Phi_q^T as an articulated body sees it, and its right-hand side; the integers are constant.
+SLOT = np.dtype(
+    [("constraint", "i8"), ("parent", "i8"), ("row0", "i8"), ("first_row", "i8")]
+    + [(n, "f8") for n in ("gx", "gy", "gz", "rhs", "pivot", "diagonal")]
+    + [("u", "f8", (3,))],
+    align=True,
+)
+CONSTRAINT_STATE = np.dtype([("target", "f8"), ("multiplier", "f8")], align=True)
+# input: voltage or torque asked for; effort: shaft torque; compensation: joint torque against gravity
+MOTOR_STATE = np.dtype([("input", "f8"), ("effort", "f8"), ("compensation", "f8")], align=True)
+
+
+class Planar(NamedTuple):
+    """The constants of a mechanism (see the record types above)."""
+
+    nq: int
+    gravity: np.ndarray
+    bodies: Any
+    stations: Any
+    terms: Any
+    pathways: Any
+    springs: Any
+    constraints: Any
+    loads: Any
+    distributed: Any
+    inertias: Any
+    motors: Any
+    controllers: Any
+    signals: Any
+    program: np.ndarray  # (instructions, 2): operation and constant of the expressions in t
+    table: np.ndarray  # (knots, 5): t, and the cubic's coefficients on the interval that starts there
+    rows: np.ndarray
+    gram: np.ndarray
+    omega2: np.ndarray
+    modal_damping: np.ndarray
+    slots: Any  # (slots,) initial values of Work.slots
+    slot_rows: int  # rows of all slots together
+    ground_slot0: int
+    ground_block0: int
+    online_compensation: int  # 1: some controller asks for it
+    held: np.ndarray  # constraints that hold the rigid mechanism, gears of rotors left out
+
+
+class Work(NamedTuple):
+    """Scratch of one evaluation; nothing in it outlives a call, so each thread needs its own."""
+
+    frames: Any  # of bodies
+    points: Any  # of stations
+    geometry: Any  # of terms
+    lengths: Any  # of pathways
+    rows: Any
+    Hyy: np.ndarray  # per body (nrow, nrow), flat
+    N: np.ndarray
+    f_eta: np.ndarray
+    slots: Any
+    slot_y: np.ndarray
+    block: np.ndarray
+    reactions: Any  # of constraints
+    drives: Any  # of motors
+    signal: np.ndarray  # (signals, 3): value and two time derivatives
+    stack: np.ndarray
+    small: np.ndarray  # (max nrow, 2 max nrow)
+    rigid_q: np.ndarray
+    rigid_v: np.ndarray
+    wrench: np.ndarray  # (bodies, 3)
+    holding: np.ndarray  # (joint coordinates, motors + held + 1)
+    normal: np.ndarray
+
+
+def allocate(system: Planar) -> Work:
+    """Scratch arrays for `system`; the frames of ground stations are set here, once."""
+    widest = int(system.bodies["nrow"].max(initial=1))
+    ground_slots = system.slots.size - system.ground_slot0
+    moving = system.bodies["coordinate"][system.bodies["rotor"] == 0]
+    joint_coordinates = int((moving >= 0).sum()) if system.online_compensation else 0
+    holding = system.motors.size + system.held.size + 1
+    work = Work(
+        frames=records(system.bodies.size, BODY_STATE),
+        points=records(system.stations.size, STATION_STATE),
+        geometry=records(system.terms.size, TERM_STATE),
+        lengths=records(system.pathways.size, PATHWAY_STATE),
+        rows=records(int(system.bodies["nrow"].sum()), ROW_STATE),
+        Hyy=np.zeros(system.gram.size),
+        N=np.zeros(system.gram.size),
+        f_eta=np.zeros(system.omega2.size),
+        slots=system.slots.copy(),
+        slot_y=np.zeros(system.slot_rows),
+        block=np.zeros(system.ground_block0 + ground_slots**2),
+        reactions=records(system.constraints.size, CONSTRAINT_STATE),
+        drives=records(system.motors.size, MOTOR_STATE),
+        signal=np.zeros((system.signals.size, 3)),
+        stack=np.zeros((64, 3)),
+        small=np.zeros((widest, 2 * widest)),
+        rigid_q=np.zeros(system.nq),
+        rigid_v=np.zeros(system.nq),
+        wrench=np.zeros((system.bodies.size, 3)),
+        holding=np.zeros((joint_coordinates, holding)),
+        normal=np.zeros((holding, holding)),
+    )
+    for k, station in enumerate(system.stations):
+        if station["body"] < 0:
+            work.points[k].x, work.points[k].y = station["ax"], station["ay"]
+            work.points[k].angle = station["angle"]
+    return work
+
+
+def records(count: int, dtype: np.dtype) -> Any:
+    """A zeroed array of `count` records whose fields read as attributes, compiled or not."""
+    return np.zeros(count, dtype).view(np.recarray)

@@ -1,0 +1,198 @@
+"""Applied forces: springs, motors with their controllers, loads, gravity; and the inertia forces at zero q''.
+
+(gx, gy, gz)  wrench on a body about its frame's origin, world axes
+g_y           forces on the rows of a flexible body, R^T g_y on its modal coordinates
+f_eta         forces on the modal coordinates that no row carries
+U, i, tau     voltage, current, shaft torque of a motor: La i' = U - Ra i - Ke l',  tau = Km i
+"""
+
+from typing import Any
+
+import numpy as np
+
+from fmbd.planar.compile import compiled, compiled_sums
+from fmbd.planar.pathways import put_force, put_wrench
+
+
+@compiled
+def clear_forces(frames: Any, rows: Any) -> None:
+    """Start the sums of wrenches and row forces at zero."""
+    for i in range(frames.size):
+        frame = frames[i]
+        frame.gx, frame.gy, frame.gz = 0.0, 0.0, 0.0
+    for r in range(rows.size):
+        rows[r].g = 0.0
+
+
+@compiled
+def applied_forces(sys: Any, work: Any, z: np.ndarray, dz: np.ndarray) -> tuple[float, float]:
+    """Add springs, motors and loads to the wrenches; fill dz, the rates of the first-order states.
+
+    Returns the power that dampers dissipate and the power of motors and loads [W].
+    """
+    dissipated, power = 0.0, 0.0
+    # springs first, then motors: both are forces along a pathway
+    for k in range(sys.springs.size + sys.motors.size):
+        if k < sys.springs.size:
+            spring = sys.springs[k]
+            index = spring.pathway
+            path = work.lengths[index]
+            force = -spring.k * (path.value - spring.rest) - spring.d * path.rate
+            dissipated += spring.d * path.rate * path.rate
+        else:
+            motor = sys.motors[k - sys.springs.size]
+            drive = work.drives[k - sys.springs.size]
+            index = motor.pathway
+            if motor.controller < 0:
+                drive.input = work.signal[motor.signal, 0]
+            else:
+                control = sys.controllers[motor.controller]
+                length = work.lengths[control.pathway]
+                drive.input = _control(control, length, drive.compensation, work.signal, z, dz)
+            force = _motor_torque(motor, drive.input, work.lengths[index].rate, z, dz)
+            drive.effort = force
+            power += force * work.lengths[index].rate
+        put_force(
+            sys.pathways[index],
+            sys.terms,
+            work.geometry,
+            sys.stations,
+            work.points,
+            work.frames,
+            work.rows,
+            force,
+        )
+    for k in range(sys.loads.size):
+        load = sys.loads[k]
+        at = work.points[load.station]
+        power += _load(load, sys.stations[load.station], at, work.frames, work.rows, work.signal)
+    for k in range(sys.distributed.size):
+        load = sys.distributed[k]
+        power += _distributed_load(load, work.frames[load.body], work.rows[load.row], work.signal)
+    return dissipated, power
+
+
+@compiled
+def _motor_torque(motor: Any, command: float, rate: float, z: np.ndarray, dz: np.ndarray) -> float:
+    if motor.electric == 0:
+        return command
+    if motor.state < 0:
+        return motor.Km * (command - motor.Ke * rate) / motor.Ra
+    current = z[motor.state]
+    dz[motor.state] = (command - motor.Ra * current - motor.Ke * rate) / motor.La
+    return motor.Km * current
+
+
+@compiled
+def _control(
+    control: Any, path: Any, compensation: float, signal: np.ndarray, z: np.ndarray, dz: np.ndarray
+) -> float:
+    """Voltage (or torque) that a controller gives; it may saturate."""
+    error = control.shift - path.value
+    error_rate = -path.rate
+    if control.target >= 0:
+        error += control.scale * signal[control.target, 0]
+        error_rate += control.scale * signal[control.target, 1]
+    wanted = control.bias + control.kp * error + control.kd * error_rate
+    if control.feedforward >= 0:
+        wanted += signal[control.feedforward, 0]
+    if control.online >= 0:
+        wanted += control.gravity_gain * compensation
+    if control.state >= 0:
+        wanted += control.ki * z[control.state]
+    given = min(max(wanted, control.low), control.high)
+    if control.state >= 0:
+        # a saturated controller stops integrating the error that drives it further out
+        frozen = (wanted - given) * error * control.ki > 0.0
+        dz[control.state] = 0.0 if frozen else error
+    return given
+
+
+@compiled
+def _load(load: Any, station: Any, at: Any, frames: Any, rows: Any, signal: np.ndarray) -> float:
+    """Force and moment at a station; returns their power."""
+    fx = signal[load.fx, 0] if load.fx >= 0 else 0.0
+    fy = signal[load.fy, 0] if load.fy >= 0 else 0.0
+    moment = signal[load.moment, 0] if load.moment >= 0 else 0.0
+    if load.following == 1:
+        c, s = np.cos(at.angle), np.sin(at.angle)
+        fx, fy = c * fx - s * fy, s * fx + c * fy
+    put_wrench(station, at, frames, rows, fx, fy, moment)
+    return fx * at.vx + fy * at.vy + moment * at.w
+
+
+@compiled
+def _distributed_load(load: Any, frame: Any, row: Any, signal: np.ndarray) -> float:
+    """Uniform load on a stretch of a beam: int (1, x, S) dx = (length, moment, row); returns its power."""
+    c, s = frame.c, frame.s
+    qx, qy = signal[load.fx, 0], signal[load.fy, 0]
+    if load.following == 0:
+        qx, qy = c * qx + s * qy, c * qy - s * qx
+    fx, fy = (c * qx - s * qy) * load.length, (s * qx + c * qy) * load.length
+    moment = load.moment * qy - row.value * qx
+    frame.gx += fx
+    frame.gy += fy
+    frame.gz += moment
+    row.g += qy
+    return fx * frame.vx + fy * frame.vy + moment * frame.w + qy * row.rate
+
+
+@compiled
+def body_forces(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> float:
+    """Add gravity, the inertia forces at zero q'', stiffness and damping of the beams.
+
+    Returns the power that the beams' damping dissipates [W]. Per body, with S1 = (mx, my + s.eta) the first moment
+    and a = b - gravity, all in the body's axes:
+        F = -m a - bw x S1 + w^2 S1 + 2 w (s.eta') ex,    M = -S1 x a - (J + eta.eta) bw - 2 w eta.eta'
+        f_eta = -s (ey.a) - p bw + (w^2 - omega^2) eta - d eta'
+    """
+    dissipated = 0.0
+    gx, gy = sys.gravity[0], sys.gravity[1]
+    for i in range(sys.bodies.size):
+        b = sys.bodies[i]
+        frame = work.frames[i]
+        inertia, my = b.J, b.my
+        spin, flow = 0.0, 0.0
+        c, s, w, bw = frame.c, frame.s, frame.w, frame.bw
+        ax, ay = frame.bx - gx, frame.by - gy
+        if b.nf > 0:
+            square, spin, loss = _modal_forces(b, w, sys.omega2, sys.modal_damping, q, v, work.f_eta)
+            inertia += square
+            dissipated += loss
+            lateral, turning = work.rows[b.row0], work.rows[b.row0 + 1]
+            my += lateral.value
+            flow = lateral.rate
+            lateral.g -= c * ay - s * ax
+            turning.g -= bw
+        sx, sy = c * b.mx - s * my, s * b.mx + c * my
+        frame.gx += -b.mass * ax + bw * sy + w * w * sx + 2.0 * w * flow * c
+        frame.gy += -b.mass * ay - bw * sx + w * w * sy + 2.0 * w * flow * s
+        frame.gz += -(sx * ay - sy * ax) - inertia * bw - 2.0 * w * spin
+    for k in range(sys.inertias.size):
+        point = sys.inertias[k]
+        frame, row = work.frames[point.body], work.rows[point.row]
+        frame.gz += point.value * row.value * (row.value * frame.bw + 2.0 * frame.w * row.rate)
+        row.g -= frame.w**2 * point.value * row.value
+    return dissipated
+
+
+@compiled_sums
+def _modal_forces(
+    b: Any,
+    w: float,
+    omega2: np.ndarray,
+    damping: np.ndarray,
+    q: np.ndarray,
+    v: np.ndarray,
+    f_eta: np.ndarray,
+) -> tuple[float, float, float]:
+    """Centrifugal, elastic and damping forces on each mode; returns eta.eta, eta.eta', dissipated power."""
+    square, spin, loss = 0.0, 0.0, 0.0
+    for k in range(b.nf):
+        eta, rate = q[b.first_q + k], v[b.first_q + k]
+        d = damping[b.mode0 + k]
+        f_eta[b.mode0 + k] = (w * w - omega2[b.mode0 + k]) * eta - d * rate
+        square += eta * eta
+        spin += eta * rate
+        loss += d * rate * rate
+    return square, spin, loss

@@ -1,0 +1,150 @@
+"""Where every body and station is, how fast it moves, and its acceleration at zero q'' (the bias).
+
+    (x, y), angle   origin and orientation of a frame in the world
+    c, s            cos(angle), sin(angle)
+    (vx, vy), w     its twist
+    (bx, by), bw    its acceleration when all q'' are zero
+    (u)             from the outer to the inner station of a joint: R(joint axis) (jx, jy)
+    w, psi          transverse displacement and slope of a beam's station: rows of R times eta
+All vectors are in world axes. Turning a vector by the rate w: w x (a, b) = (-w b, w a).
+"""
+
+from math import cos, sin
+from typing import Any
+
+import numpy as np
+
+from fmbd.planar.compile import compiled, compiled_sums
+
+
+@compiled
+def kinematics(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> None:
+    """Fill the frames of all bodies and stations from the coordinates q and rates v, both (nq,)."""
+    for i in range(sys.bodies.size):
+        b = sys.bodies[i]
+        if b.nf > 0:
+            _elastic_rows(b, sys.rows, q, v, work.rows)
+        outer = work.points[b.outer]
+        _joint(b, sys.stations[b.inner], outer, work.frames[i], work.rows, work.signal, q, v)
+        for k in range(b.station0, b.station0 + b.nstation):
+            _station(sys.stations[k], work.points[k], work.frames[i], work.rows)
+
+
+@compiled_sums
+def _elastic_rows(b: Any, R: np.ndarray, q: np.ndarray, v: np.ndarray, rows: Any) -> None:
+    """Rows times modal coordinates, R eta and R eta', of body b."""
+    for r in range(b.nrow):
+        start = b.matrix0 + r * b.nf
+        value = 0.0
+        rate = 0.0
+        for k in range(b.nf):
+            value += R[start + k] * q[b.first_q + k]
+            rate += R[start + k] * v[b.first_q + k]
+        rows[b.row0 + r].value = value
+        rows[b.row0 + r].rate = rate
+
+
+@compiled
+def _joint(
+    b: Any, inner: Any, outer: Any, frame: Any, rows: Any, signal: np.ndarray, q: np.ndarray, v: np.ndarray
+) -> None:
+    """Frame of a body from the station that holds it and the coordinates of its joint."""
+    jx, dx, ddx = _coordinate(b.coordinate[0], b.driver[0], q, v, signal)
+    jy, dy, ddy = _coordinate(b.coordinate[1], b.driver[1], q, v, signal)
+    ja, da, dda = _coordinate(b.coordinate[2], b.driver[2], q, v, signal)
+    sign = b.sign
+    angle = outer.angle + sign * ja
+    w = outer.w + sign * da
+    bw = outer.bw + sign * dda
+    # the joint's axes turn with its first point: the outer station, or the inner one of a reversed joint
+    forward = sign > 0.0
+    first = outer.angle if forward else angle
+    w1 = outer.w if forward else w
+    bw1 = outer.bw if forward else bw
+    c1, s1 = cos(first), sin(first)
+    jc = b.axis_c * c1 - b.axis_s * s1
+    js = b.axis_c * s1 + b.axis_s * c1
+    ux, uy = jc * jx - js * jy, js * jx + jc * jy
+    rx, ry = jc * dx - js * dy, js * dx + jc * dy
+    ax, ay = jc * ddx - js * ddy, js * ddx + jc * ddy
+    frame.jc, frame.js, frame.ux, frame.uy = jc, js, ux, uy
+    px = outer.x + sign * ux
+    py = outer.y + sign * uy
+    vx = outer.vx + sign * (rx - w1 * uy)
+    vy = outer.vy + sign * (ry + w1 * ux)
+    bx = outer.bx + sign * (ax - bw1 * uy - w1 * w1 * ux - 2.0 * w1 * ry)
+    by = outer.by + sign * (ay + bw1 * ux - w1 * w1 * uy + 2.0 * w1 * rx)
+    frame.px, frame.py = px, py
+    _frame_from_station(inner, rows, frame, angle, w, bw, vx, vy, bx, by)
+
+
+@compiled
+def _coordinate(
+    index: int, driver: int, q: np.ndarray, v: np.ndarray, signal: np.ndarray
+) -> tuple[float, float, float]:
+    """Value, rate and prescribed second derivative of one direction of a joint."""
+    if index >= 0:
+        return q[index], v[index], 0.0
+    if driver >= 0:
+        return signal[driver, 0], signal[driver, 1], signal[driver, 2]
+    return 0.0, 0.0, 0.0
+
+
+@compiled
+def _frame_from_station(
+    inner: Any,
+    rows: Any,
+    frame: Any,
+    angle: float,
+    w: float,
+    bw: float,
+    vx: float,
+    vy: float,
+    bx: float,
+    by: float,
+) -> None:
+    """Go back from the station at (frame.px, frame.py) that holds the body to the body's own frame."""
+    deflection, rate, slope, slope_rate = _deformation(inner, rows)
+    theta = angle - inner.angle - slope
+    w -= slope_rate
+    c, s = cos(theta), sin(theta)
+    d = inner.ay + deflection
+    rx, ry = c * inner.ax - s * d, s * inner.ax + c * d
+    frame.angle, frame.c, frame.s, frame.w, frame.bw = theta, c, s, w, bw
+    frame.x = frame.px - rx
+    frame.y = frame.py - ry
+    frame.vx = vx + w * ry + rate * s
+    frame.vy = vy - w * rx - rate * c
+    frame.bx = bx + bw * ry + w * w * rx + 2.0 * w * rate * c
+    frame.by = by - bw * rx + w * w * ry + 2.0 * w * rate * s
+
+
+@compiled
+def _deformation(station: Any, rows: Any) -> tuple[float, float, float, float]:
+    """Deflection, its rate, slope, its rate, of a station on a beam; zeros on a rigid body."""
+    deflection, rate, slope, slope_rate = 0.0, 0.0, 0.0, 0.0
+    if station.row_w >= 0:
+        deflection = rows[station.row_w].value
+        rate = rows[station.row_w].rate
+    if station.row_s >= 0:
+        slope = rows[station.row_s].value
+        slope_rate = rows[station.row_s].rate
+    return deflection, rate, slope, slope_rate
+
+
+@compiled
+def _station(station: Any, out: Any, frame: Any, rows: Any) -> None:
+    """A station from the frame of its body."""
+    deflection, rate, slope, slope_rate = _deformation(station, rows)
+    c, s, w = frame.c, frame.s, frame.w
+    d = station.ay + deflection
+    rx, ry = c * station.ax - s * d, s * station.ax + c * d
+    out.x = frame.x + rx
+    out.y = frame.y + ry
+    out.angle = frame.angle + station.angle + slope
+    out.vx = frame.vx - w * ry - rate * s
+    out.vy = frame.vy + w * rx + rate * c
+    out.w = w + slope_rate
+    out.bx = frame.bx - frame.bw * ry - w * w * rx - 2.0 * w * rate * c
+    out.by = frame.by + frame.bw * rx - w * w * ry - 2.0 * w * rate * s
+    out.bw = frame.bw

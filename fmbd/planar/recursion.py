@@ -1,0 +1,299 @@
+"""The linear solve M(q) q'' - Phi_q^T lambda = f, Phi_q q'' = target, in O(bodies + modes).
+
+Articulated-body recursion (Featherstone, Rigid Body Dynamics Algorithms; Brandl, Johanni and Otter for the loops)
+with the elastic coordinates eliminated body by body. Towards the ground, each body in turn
+  1. eliminates its modes (condensation.py)
+  2. eliminates the multipliers of the loops that close at it (loops.py)
+  3. eliminates its joint's coordinates, one scalar at a time, and hands what is left to its parent.
+Then outwards, everything is put back in the reverse order.
+
+    a            linear part of the acceleration of a body's inner station (its bias lies in the forces)
+    H, g         articulated inertia and wrench (3 x 3 symmetric, 3): H a = g + reaction
+    H_row, Hyy   coupling of the rows of a flexible body with a, and among themselves; rows[].g forces on them
+    y            R eta'', acceleration of the rows
+    U, D, u      per joint direction s: U = H s, D = s.U, u = s.g (for a slot: its own u)
+"""
+
+from typing import Any
+
+import numpy as np
+
+from fmbd.planar.compile import compiled
+from fmbd.planar.condensation import (
+    compliance,
+    eliminate_modes,
+    free_rows,
+    hold_by_rows,
+    put_back_modes,
+    put_back_rows,
+)
+from fmbd.planar.loops import add_rank_one, close_loops, constraint_columns, hand_down, open_loops
+
+
+@compiled
+def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
+    """Fill qdd (nq,) and the multipliers from the forces and targets in `work`.
+
+    Returns -1, or the index of the body whose joint has no inertia to move.
+    """
+    frames, rows, slots, block = work.frames, work.rows, work.slots, work.block
+    slot_y, reactions, Hyy = work.slot_y, work.reactions, work.Hyy
+    _start(sys.bodies, frames, rows, Hyy, q)
+    for k in range(sys.inertias.size):
+        point = sys.inertias[k]
+        frames[point.body].Hzz -= point.value * rows[point.row].value ** 2
+    _clear_slots(slots, slot_y, block)
+    for c in range(sys.constraints.size):
+        path = sys.pathways[sys.constraints[c].pathway]
+        constraint_columns(path, sys.terms, work.geometry, sys.stations, work.points, frames, slots, slot_y)
+    for i in range(sys.bodies.size - 1, -1, -1):
+        b, f = sys.bodies[i], frames[i]
+        if b.nf > 0:
+            if b.coupled == 1:
+                hold_by_rows(b, f, sys.stations[b.inner], rows, Hyy, slots, slot_y)
+                compliance(b, sys.gram, Hyy, work.N, work.small)
+            free_rows(b, sys.rows, work.f_eta, rows)
+            eliminate_modes(b, f, rows, Hyy, work.N if b.coupled == 1 else sys.gram, slots, slot_y, block)
+        _shift_to_joint(b, f, slots)
+        close_loops(f, True, slots, block, reactions, b.slot0, b.nslot, b.closed, b.block0)
+        if not _eliminate_joint(b, f, slots, block):
+            return i
+        if b.parent >= 0:
+            parent = sys.bodies[b.parent]
+            outer = sys.stations[b.outer]
+            _load_parent(
+                b, f, parent, frames[b.parent], outer, work.points[b.outer], rows, Hyy, slots, slot_y
+            )
+            hand_down(b, slots, block, parent.slot0, parent.nslot, parent.block0)
+        else:
+            hand_down(b, slots, block, sys.ground_slot0, slots.size - sys.ground_slot0, sys.ground_block0)
+    n = slots.size - sys.ground_slot0
+    if n > 0:
+        close_loops(frames[0], False, slots, block, reactions, sys.ground_slot0, n, n, sys.ground_block0)
+        open_loops(slots, block, reactions, sys.ground_slot0, n, n, sys.ground_block0, 0.0, 0.0, 0.0)
+    for i in range(sys.bodies.size):
+        b, f = sys.bodies[i], frames[i]
+        ax, ay, aw = 0.0, 0.0, 0.0
+        if b.parent >= 0:
+            ax, ay, aw = outer_acceleration(
+                f, frames[b.parent], sys.stations[b.outer], work.points[b.outer], rows
+            )
+        ax, ay, aw = _put_back_joint(b, f, slots, reactions, ax, ay, aw, qdd)
+        open_loops(slots, block, reactions, b.slot0, b.nslot, b.closed, b.block0, ax, ay, aw)
+        rx, ry = f.px - f.x, f.py - f.y
+        f.ax, f.ay, f.aw = ax + ry * aw, ay - rx * aw, aw
+        if b.nf > 0:
+            put_back_rows(b, f, rows, Hyy, work.N if b.coupled == 1 else sys.gram, slots, slot_y, reactions)
+            put_back_modes(b, sys.rows, work.f_eta, rows, qdd)
+            _let_go_of_rows(f, sys.stations[b.inner], rows)
+    return -1
+
+
+@compiled
+def _start(bodies: Any, frames: Any, rows: Any, Hyy: np.ndarray, q: np.ndarray) -> None:
+    """Each body's own inertia about its frame's origin, and the coupling of its rows."""
+    for i in range(bodies.size):
+        b, f = bodies[i], frames[i]
+        inertia, my = b.J, b.my
+        if b.nf > 0:
+            my += rows[b.row0].value
+            for k in range(b.nf):
+                inertia += q[b.first_q + k] ** 2
+            for r in range(b.row0, b.row0 + b.nrow):
+                rows[r].Hx, rows[r].Hy, rows[r].Hz = 0.0, 0.0, 0.0
+            rows[b.row0].Hx, rows[b.row0].Hy = -f.s, f.c
+            rows[b.row0 + 1].Hz = 1.0
+            if b.coupled == 1:
+                for k in range(b.gram0, b.gram0 + b.nrow * b.nrow):
+                    Hyy[k] = 0.0
+        f.Hxx, f.Hxy, f.Hyy = b.mass, 0.0, b.mass
+        f.Hxz = -(f.s * b.mx + f.c * my)
+        f.Hyz = f.c * b.mx - f.s * my
+        f.Hzz = inertia
+
+
+@compiled
+def _clear_slots(slots: Any, slot_y: np.ndarray, block: np.ndarray) -> None:
+    for k in range(slots.size):
+        slot = slots[k]
+        slot.gx, slot.gy, slot.gz, slot.rhs = 0.0, 0.0, 0.0, 0.0
+    slot_y[:] = 0.0
+    block[:] = 0.0
+
+
+@compiled
+def _shift_to_joint(b: Any, f: Any, slots: Any) -> None:
+    """Move H, g and the slots from the frame's origin to the inner station at r: a_frame = a - alpha x r."""
+    rx, ry = f.px - f.x, f.py - f.y
+    f.Hzz += ry * (2.0 * f.Hxz + ry * f.Hxx) - rx * (2.0 * f.Hyz - rx * f.Hyy + 2.0 * ry * f.Hxy)
+    f.Hxz += ry * f.Hxx - rx * f.Hxy
+    f.Hyz += ry * f.Hxy - rx * f.Hyy
+    f.gz += ry * f.gx - rx * f.gy
+    for k in range(b.slot0, b.slot0 + b.nslot):
+        s = slots[k]
+        s.gz += ry * s.gx - rx * s.gy
+
+
+@compiled
+def joint_direction(b: Any, f: Any, d: int) -> tuple[float, float, float]:
+    """How the inner station moves per unit rate of the joint's x (0), y (1) or angle (2)."""
+    if d == 0:
+        return b.sign * f.jc, b.sign * f.js, 0.0
+    if d == 1:
+        return -b.sign * f.js, b.sign * f.jc, 0.0
+    if b.sign > 0.0:
+        return 0.0, 0.0, 1.0
+    # the axes of a reversed joint turn with this body
+    return -f.uy, f.ux, -1.0
+
+
+@compiled
+def _times(f: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """H (x, y, z)."""
+    return (
+        f.Hxx * x + f.Hxy * y + f.Hxz * z,
+        f.Hxy * x + f.Hyy * y + f.Hyz * z,
+        f.Hxz * x + f.Hyz * y + f.Hzz * z,
+    )
+
+
+@compiled
+def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
+    """Deflate H, g and the open slots along each free direction; False if one has no inertia."""
+    least = 1e-14 * (f.Hxx + f.Hyy + f.Hzz)
+    for d in range(3):
+        if b.coordinate[d] < 0:
+            continue
+        sx, sy, sz = joint_direction(b, f, d)
+        hx, hy, hz = _times(f, sx, sy, sz)
+        D = sx * hx + sy * hy + sz * hz
+        if not D > least:
+            return False
+        u = sx * f.gx + sy * f.gy + sz * f.gz
+        f.U[d, 0], f.U[d, 1], f.U[d, 2] = hx, hy, hz
+        f.D[d], f.u[d] = D, u
+        add_rank_one(f, -1.0 / D, hx, hy, hz)
+        f.gx -= hx * u / D
+        f.gy -= hy * u / D
+        f.gz -= hz * u / D
+        for m in range(b.closed, b.nslot):
+            s = slots[b.slot0 + m]
+            us = sx * s.gx + sy * s.gy + sz * s.gz
+            s.u[d] = us
+            s.gx -= hx * us / D
+            s.gy -= hy * us / D
+            s.gz -= hz * us / D
+            s.rhs -= us * u / D
+        for m in range(b.closed, b.nslot):
+            for j in range(b.closed, b.nslot):
+                block[b.block0 + m * b.nslot + j] += slots[b.slot0 + m].u[d] * slots[b.slot0 + j].u[d] / D
+    return True
+
+
+@compiled
+def _load_parent(
+    b: Any,
+    f: Any,
+    parent: Any,
+    p: Any,
+    outer: Any,
+    at: Any,
+    rows: Any,
+    Hyy: np.ndarray,
+    slots: Any,
+    slot_y: np.ndarray,
+) -> None:
+    """Add what is left of H, g and the open slots at the joint to the parent's frame p and rows."""
+    rx, ry = f.px - p.x, f.py - p.y
+    p.Hxx += f.Hxx
+    p.Hxy += f.Hxy
+    p.Hyy += f.Hyy
+    p.Hxz += f.Hxz - ry * f.Hxx + rx * f.Hxy
+    p.Hyz += f.Hyz - ry * f.Hxy + rx * f.Hyy
+    p.Hzz += f.Hzz - ry * (2.0 * f.Hxz - ry * f.Hxx) + rx * (2.0 * f.Hyz + rx * f.Hyy - 2.0 * ry * f.Hxy)
+    p.gx += f.gx
+    p.gy += f.gy
+    p.gz += f.gz + rx * f.gy - ry * f.gx
+    for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
+        s = slots[m]
+        t = slots[s.parent]
+        t.gx += s.gx
+        t.gy += s.gy
+        t.gz += s.gz + rx * s.gy - ry * s.gx
+    for turn in range(2):
+        index = outer.row_w if turn == 0 else outer.row_s
+        if index < 0:
+            continue
+        cx, cy, cz = _row_motion(f, p, at, turn)
+        hx, hy, hz = _times(f, cx, cy, cz)
+        row = rows[index]
+        row.Hx += hx
+        row.Hy += hy
+        row.Hz += hz - ry * hx + rx * hy
+        row.g += cx * f.gx + cy * f.gy + cz * f.gz
+        local = index - parent.row0
+        for other in range(2):
+            index2 = outer.row_w if other == 0 else outer.row_s
+            if index2 >= 0:
+                ex, ey, ez = _row_motion(f, p, at, other)
+                Hyy[parent.gram0 + local * parent.nrow + index2 - parent.row0] += ex * hx + ey * hy + ez * hz
+        for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
+            s = slots[m]
+            slot_y[slots[s.parent].row0 + local] += cx * s.gx + cy * s.gy + cz * s.gz
+
+
+@compiled
+def _row_motion(f: Any, p: Any, at: Any, turn: int) -> tuple[float, float, float]:
+    """Motion at the joint of body f of a unit displacement (0) or slope (1) of the station `at` of its parent p."""
+    if turn == 0:
+        return -p.s, p.c, 0.0
+    return -(f.py - at.y), f.px - at.x, 1.0
+
+
+@compiled
+def outer_acceleration(f: Any, p: Any, outer: Any, at: Any, rows: Any) -> tuple[float, float, float]:
+    """Linear part of the acceleration that the parent p gives to the joint of body f, through its station `at`."""
+    ax = p.ax - (f.py - p.y) * p.aw
+    ay = p.ay + (f.px - p.x) * p.aw
+    aw = p.aw
+    for turn in range(2):
+        index = outer.row_w if turn == 0 else outer.row_s
+        if index >= 0:
+            cx, cy, cz = _row_motion(f, p, at, turn)
+            ax += cx * rows[index].y
+            ay += cy * rows[index].y
+            aw += cz * rows[index].y
+    return ax, ay, aw
+
+
+@compiled
+def _put_back_joint(
+    b: Any, f: Any, slots: Any, reactions: Any, ax: float, ay: float, aw: float, qdd: np.ndarray
+) -> tuple[float, float, float]:
+    """Joint accelerations, last eliminated first; returns the acceleration of the inner station."""
+    for d in range(2, -1, -1):
+        if b.coordinate[d] < 0:
+            continue
+        sx, sy, sz = joint_direction(b, f, d)
+        value = f.u[d] - f.U[d, 0] * ax - f.U[d, 1] * ay - f.U[d, 2] * aw
+        for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
+            value += slots[m].u[d] * reactions[slots[m].constraint].multiplier
+        value /= f.D[d]
+        qdd[b.coordinate[d]] = value
+        ax += sx * value
+        ay += sy * value
+        aw += sz * value
+    return ax, ay, aw
+
+
+@compiled
+def _let_go_of_rows(f: Any, inner: Any, rows: Any) -> None:
+    """The frame's own acceleration where a row of the body holds it: a - G y (see hold_by_rows)."""
+    if inner.row_w >= 0:
+        f.ax += f.s * rows[inner.row_w].y
+        f.ay -= f.c * rows[inner.row_w].y
+    if inner.row_s >= 0:
+        turn = rows[inner.row_s].y
+        f.ax -= (f.py - f.y) * turn
+        f.ay += (f.px - f.x) * turn
+        f.aw -= turn

@@ -1,0 +1,1 @@
+"""Time integration: one file per method, a shared compiled loop."""

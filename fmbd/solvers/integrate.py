@@ -1,0 +1,209 @@
+"""Integrate a system over time, block by block of output times.
+
+A simulation is four independent choices: the equations (a System), the method (one file each), step control
+(rtol, atol, max_step) and what to save (the output times).
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fmbd.solvers.explicit import (
+    ACCEPTED,
+    BODY,
+    EVALUATIONS,
+    NO_INERTIA,
+    OFF_CONSTRAINTS,
+    PROJECTIONS,
+    REJECTED,
+    RUNNING,
+    TIME,
+    Memory,
+    Options,
+    advance,
+    memory,
+)
+from fmbd.solvers.samples import sample
+from fmbd.solvers.tableau import Tableau
+from fmbd.system import System
+
+Array = np.ndarray
+
+#: Tried steps between two returns to Python: progress and Ctrl-C come through within about a hundredth of a second.
+ATTEMPTS = 1000
+#: Output times computed together.
+BLOCK = 512
+
+
+@dataclass(frozen=True)
+class Block:
+    """States at consecutive output times, nodal coordinates: rows are times."""
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    multipliers: Array
+    states: Array
+    energy: dict[str, Array]
+    constraint_error: Array  #: max |Phi| and max |Phi'|, shape (k, 2)
+
+
+@dataclass
+class Statistics:
+    """Counts of a run and how it ended; `reason` is empty for a complete run."""
+
+    method: str
+    steps: int = 0
+    rejected_steps: int = 0
+    evaluations: int = 0
+    projections: int = 0
+    time_reached: float = 0.0
+    reason: str = ""
+    warnings: list[str] = field(default_factory=list)
+
+    def update(self, mem: Memory) -> None:
+        """Copy the counters of the compiled loop."""
+        self.steps, self.rejected_steps = int(mem.count[ACCEPTED]), int(mem.count[REJECTED])
+        self.evaluations, self.projections = int(mem.count[EVALUATIONS]), int(mem.count[PROJECTIONS])
+        self.time_reached = float(mem.clock[TIME])
+
+
+def output_times(duration: float, interval: float) -> Array:
+    """0, interval, 2 interval, ..., and the duration itself."""
+    count = int(np.floor(duration / interval * (1.0 + 1e-12)))
+    times = interval * np.arange(count + 1)
+    if duration - times[-1] > 1e-9 * interval:
+        return np.append(times, duration)
+    times[-1] = duration
+    return times
+
+
+def method(name: str) -> Tableau:
+    """The tableau behind a method's name."""
+    if name == "dop853":
+        from fmbd.solvers.dop853 import DOP853
+
+        return DOP853
+    if name == "rk45":
+        from fmbd.solvers.rk45 import RK45
+
+        return RK45
+    from fmbd.solvers.baumgarte import BAUMGARTE
+
+    return BAUMGARTE
+
+
+def integrate(
+    system: System,
+    times: Array,
+    statistics: Statistics,
+    on_progress: Callable[[float], None] | None = None,
+) -> Iterator[Block]:
+    """Yield blocks of results at `times` (ascending, from 0); the last time is the end of the run.
+
+    Method and tolerances are those of the model's `simulation`. If the run cannot go on, the blocks stop early and
+    `statistics.reason` says why. `on_progress` is called with the time reached, often.
+    """
+    simulation = system.model.simulation
+    tableau = method(simulation.method)
+    planar, work = system.planar, system.work
+    start = system.start
+    y0 = np.concatenate([system.to_modal(start.q), system.to_modal(start.v), start.z, [0.0, 0.0]])
+    mem = memory(tableau, y0, planar.nq)
+    options = solver_options(system)
+    end = float(times[-1])
+    breaks = np.append(system.lowered.signals.breakpoints(end), end)
+    initial_energy: float | None = None
+    first = 0
+    # the compiled loop allocates nothing, so it may be entered for one time only
+    while first < times.size:
+        chunk = times[first : first + BLOCK]
+        out = np.zeros((chunk.size, y0.size))
+        filled, status = 0, RUNNING
+        while filled < chunk.size and status == RUNNING:
+            if mem.clock[TIME] >= end and chunk[filled] > mem.clock[TIME]:
+                break
+            done, status = advance(
+                planar, work, tableau, mem, breaks, options, chunk[filled:], out[filled:], ATTEMPTS
+            )
+            filled += done
+            statistics.update(mem)
+            if on_progress is not None:
+                on_progress(statistics.time_reached)
+        if filled:
+            block = _block(system, chunk[:filled], out[:filled], options)
+            if initial_energy is None:
+                initial_energy = block.energy["balance"][0]
+            block.energy["balance"] -= initial_energy
+            yield block
+        if status != RUNNING:
+            statistics.reason = _reason(system, mem, status)
+            return
+        first += BLOCK
+
+
+def solver_options(system: System) -> Options:
+    """Tolerances of the model's simulation, and Baumgarte's parameters where they apply."""
+    s = system.model.simulation
+    stabilised = s.method == "baumgarte"
+    delta, omega = (s.baumgarte.delta, s.baumgarte.omega) if stabilised else (0.0, 0.0)
+    return Options(
+        rtol=s.rtol,
+        atol=s.atol,
+        max_step=s.max_step or np.inf,
+        projecting=not stabilised,
+        closed=1e-12,
+        drag=2.0 * delta * omega,
+        pull=omega**2,
+    )
+
+
+def _block(system: System, times: Array, y: Array, options: Options) -> Block:
+    planar = system.planar
+    nq, nc = planar.nq, len(system.constraints)
+    qdd = np.zeros((times.size, nq))
+    multipliers = np.zeros((times.size, nc))
+    energy = np.zeros((times.size, 3))
+    errors = np.zeros((times.size, 2))
+    sample(planar, system.work, times, y, options.drag, options.pull, qdd, multipliers, energy, errors)
+    kinetic, potential, elastic = energy.T
+    dissipated, work = y[:, -2], y[:, -1]
+    return Block(
+        time=times,
+        position=system.to_nodal(y[:, :nq]),
+        velocity=system.to_nodal(y[:, nq : 2 * nq]),
+        acceleration=system.to_nodal(qdd),
+        multipliers=multipliers,
+        states=y[:, 2 * nq : -2],
+        energy={
+            "kinetic": kinetic,
+            "potential": potential,
+            "elastic": elastic,
+            "dissipated": dissipated,
+            "work": work,
+            "balance": kinetic + potential + elastic + dissipated - work,
+        },
+        constraint_error=errors,
+    )
+
+
+def _reason(system: System, mem: Memory, status: int) -> str:
+    """One line: what happened, when, and what to try."""
+    t = f"t = {mem.clock[TIME]:.6g} s"
+    if status == NO_INERTIA:
+        link = system.tree.links[int(mem.count[BODY])]
+        return f"at {t} joint {link.joint or link.motor} has no inertia to move: give body {link.name} a mass"
+    if status == OFF_CONSTRAINTS:
+        return f"at {t} the loops could not be closed again: the mechanism is at a singular configuration"
+    body = _fastest(system, mem)
+    return f"at {t} the step size fell to round-off; {body} changes fastest (a smaller rtol or more damping may help)"
+
+
+def _fastest(system: System, mem: Memory) -> str:
+    nq = system.planar.nq
+    rates = np.abs(mem.k[0][nq : 2 * nq])
+    if not np.all(np.isfinite(rates)):
+        rates = np.where(np.isfinite(rates), 0.0, np.inf)
+    return system.coordinate_names[int(np.argmax(rates))] if nq else "nothing"

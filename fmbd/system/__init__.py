@@ -1,0 +1,5 @@
+"""From a validated model to a system of equations: spanning tree, numbering, flat arrays, start, the paper's matrices."""
+
+from fmbd.system.system import System, assemble
+
+__all__ = ["System", "assemble"]

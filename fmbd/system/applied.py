@@ -1,0 +1,120 @@
+"""Springs, motors with their controllers, and loads as generalised forces, in plain NumPy (see system.matrices).
+
+x, r    coordinates (q, t) and their rates (q', 1), shape (nq+1,)
+l, l'   value and rate of a pathway; row: its derivatives by x
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fmbd.planar.arrays import Planar
+from fmbd.system.reference import Reference
+
+Array = np.ndarray
+
+
+class Paths(NamedTuple):
+    """All pathways at a state: values (np,), rows (np, nq+1), rates (np,), and whether they are linear in q."""
+
+    values: Array
+    rows: Array
+    rates: Array
+    linear: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Motors:
+    """Generalised forces B u - D q' + f of the motors; `inputs` numbers the motors of B's columns."""
+
+    inputs: Array
+    B: Array
+    u: Array
+    D: Array
+    f: Array
+
+
+def apply_springs(planar: Planar, paths: Paths, x: Array, r: Array) -> tuple[Array, Array, Array]:
+    """K, D (nq+1, nq+1) of the springs that are linear in q, and all else that springs do, f (nq+1,)."""
+    springs = planar.springs
+    path = springs["pathway"]
+    k, d, rows = springs["k"], springs["d"], paths.rows[path]
+    K, D = _quadratic(rows, k * paths.linear[path]), _quadratic(rows, d * paths.linear[path])
+    force = -k * (paths.values[path] - springs["rest"]) - d * paths.rates[path]
+    return K, D, force @ rows + _without_time(K, x) + _without_time(D, r)
+
+
+def apply_motors(
+    planar: Planar, paths: Paths, r: Array, signals: Array, z: Array, online: Array
+) -> Motors:
+    """Forces of all motors; z (nz,): currents and integrals of errors, online (motors,): compensation torques."""
+    motors = planar.motors
+    path, state, Km = motors["pathway"], motors["state"], motors["Km"]
+    rows, inductive = paths.rows[path], state >= 0
+    gain = np.divide(Km, motors["Ra"], out=np.ones(motors.size), where=motors["electric"] == 1)
+    drag = np.where(inductive, 0.0, gain * motors["Ke"])
+    D = _quadratic(rows, drag * paths.linear[path])
+    torque = -drag * paths.rates[path]
+    torque[inductive] += Km[inductive] * z[state[inductive]]
+    inputs = np.flatnonzero(~inductive)
+    return Motors(
+        inputs=inputs,
+        B=(rows.T * gain)[:, inputs],
+        u=np.array([motor_input(planar, motor, paths, signals, z, online) for motor in motors[inputs]]),
+        D=D,
+        f=torque @ rows + _without_time(D, r),
+    )
+
+
+def motor_input(planar: Planar, motor: Any, paths: Paths, signals: Array, z: Array, online: Array) -> float:
+    """Voltage or torque of a motor from its signal, or from its controller, which may saturate."""
+    if motor["controller"] < 0:
+        return float(signals[motor["signal"], 0])
+    law = planar.controllers[motor["controller"]]
+    error, error_rate = law["shift"] - paths.values[law["pathway"]], -paths.rates[law["pathway"]]
+    if law["target"] >= 0:
+        value, rate, _ = signals[law["target"]]
+        error, error_rate = error + law["scale"] * value, error_rate + law["scale"] * rate
+    wanted = law["bias"] + law["kp"] * error + law["kd"] * error_rate
+    if law["feedforward"] >= 0:
+        wanted += signals[law["feedforward"], 0]
+    if law["online"] >= 0:
+        wanted += law["gravity_gain"] * online[law["online"]]
+    if law["state"] >= 0:
+        wanted += law["ki"] * z[law["state"]]
+    return float(min(max(wanted, law["low"]), law["high"]))
+
+
+def apply_loads(
+    planar: Planar, reference: Reference, bodies: Array, stations: Array, x: Array, signals: Array
+) -> Array:
+    """Generalised force (nq+1,) of the loads, from the frames of bodies (nb, 3, d) and stations (ns, 3, d)."""
+    f = np.zeros(x.size)
+    for load in planar.loads:
+        frame = stations[load["station"]]
+        fx, fy, moment = (signals[load[k], 0] if load[k] >= 0 else 0.0 for k in ("fx", "fy", "moment"))
+        f += np.array([*_world(load, frame, fx, fy), moment]) @ frame[:, 1:]
+    if planar.distributed.size:
+        sums = reference.stretches.sums(bodies[planar.distributed["body"]], x)
+        for load, sum_ in zip(planar.distributed, sums, strict=True):
+            fx, fy = signals[load["fx"], 0], signals[load["fy"], 0]
+            f += _world(load, bodies[load["body"]], fx, fy) @ sum_[:, 1:]
+    return f
+
+
+def _world(load: Any, frame: Array, fx: float, fy: float) -> Array:
+    """A load's force in world axes; a following one turns with its frame."""
+    angle = frame[2, 0] if load["following"] else 0.0
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([c * fx - s * fy, s * fx + c * fy])
+
+
+def _quadratic(rows: Array, weights: Array) -> Array:
+    """sum of weight * row^T row."""
+    return (rows.T * weights) @ rows
+
+
+def _without_time(matrix: Array, vector: Array) -> Array:
+    """Matrix times vector, the last (time) component of which is left out: it does not move with q."""
+    return matrix[:, :-1] @ vector[:-1]

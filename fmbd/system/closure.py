@@ -1,0 +1,176 @@
+"""Position of the rigid mechanism: close its loops, with joints at given values and points at given places.
+
+Straight beams, zero elastic coordinates. The unknowns are the joint coordinates of the tree; equations are the
+constraints of the cut joints, given joint values, given places. Solved by a damped Gauss-Newton method; with no
+hint, from several starting points, so that other assembly modes are seen.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fmbd.planar.arrays import ANGLE
+from fmbd.system.lower import Lowered, place_point
+
+Array = np.ndarray
+
+CLOSED = 1e-10  # largest residual [m or rad] that counts as closed
+STARTS = 48
+
+
+@dataclass(frozen=True)
+class Closure:
+    """A solved position: q (nq,), what is left of the equations, and how many other assembly modes were seen."""
+
+    q: Array
+    residual: float
+    others: int
+
+
+class RigidMechanism:
+    """The equations of position of a lowered model, evaluated by the reference kinematics."""
+
+    def __init__(self, lowered: Lowered, reference: Any) -> None:
+        self.lowered = lowered
+        self.reference = reference
+        planar = lowered.planar
+        bodies = planar.bodies[planar.bodies["rotor"] == 0]
+        self.unknowns = np.sort(bodies["coordinate"][bodies["coordinate"] >= 0])
+        angles = bodies["coordinate"][:, 2]
+        self.is_angle = np.isin(self.unknowns, angles[angles >= 0])
+
+    def equations(
+        self,
+        q: Array,
+        held: Mapping[tuple[str, str], float],
+        places: Mapping[str, tuple[float, float]],
+    ) -> tuple[Array, Array]:
+        """Residual (m,) and Jacobian (m, nq) of constraints, held joint coordinates and places."""
+        position, angle, jacobian = self.reference.stations(q, 0.0)
+        values, gradients = self.reference.pathways(q, 0.0)
+        residual: list[float] = []
+        rows: list[Array] = []
+        planar = self.lowered.planar
+        for c in planar.held:
+            constraint = planar.constraints[c]
+            path = constraint["pathway"]
+            drive = self.reference.signal(constraint["driver"], 0.0)[0] if constraint["driver"] >= 0 else 0.0
+            value = values[path] + drive
+            turning = planar.terms[planar.pathways[path]["term0"]]["kind"] == ANGLE
+            residual.append(wrap(value) if turning else value)
+            rows.append(gradients[path])
+        for (joint, direction), wanted in held.items():
+            value, row = self._coordinate(joint, direction, position, angle, jacobian)
+            cut = joint in self.lowered.tree.cut and direction == "angle"
+            residual.append(wrap(value - wanted) if cut else value - wanted)
+            rows.append(row)
+        for name, place in places.items():
+            k = self.lowered.stations[place_point(self.lowered.model, name)]
+            residual += list(position[k] - np.asarray(place))
+            rows += list(jacobian[k, :2])
+        nq = self.lowered.planar.nq
+        return np.array(residual), np.array(rows).reshape(-1, nq + 1)[:, :nq]
+
+    def _coordinate(
+        self, joint: str, direction: str, position: Array, angle: Array, jacobian: Array
+    ) -> tuple[float, Array]:
+        """A joint's coordinate and its gradient (nq+1,), from the two stations that it joins."""
+        part = self.lowered.model.joints[joint]
+        a, b = (self.lowered.stations[ref.body, ref.point] for ref in part.between)
+        if direction == "angle":
+            return angle[b] - angle[a], jacobian[b, 2] - jacobian[a, 2]
+        c, s = np.cos(angle[a]), np.sin(angle[a])
+        ex, ey = part.axis[0] * c - part.axis[1] * s, part.axis[0] * s + part.axis[1] * c
+        if direction == "y":
+            ex, ey = -ey, ex
+        dx, dy = position[b] - position[a]
+        moved = jacobian[b] - jacobian[a]
+        return ex * dx + ey * dy, ex * moved[0] + ey * moved[1] + (ex * dy - ey * dx) * jacobian[a, 2]
+
+    def coordinate(self, q: Array, joint: str, direction: str) -> tuple[float, Array]:
+        """A joint's coordinate at q, and its gradient (nq+1,)."""
+        return self._coordinate(joint, direction, *self.reference.stations(q, 0.0))
+
+    def solve(
+        self,
+        guess: Array,
+        held: Mapping[tuple[str, str], float],
+        places: Mapping[str, tuple[float, float]],
+    ) -> Closure:
+        """Damped Gauss-Newton from one guess (nq,)."""
+        q = np.array(guess, float)
+        residual, jacobian = self.equations(q, held, places)
+        size = np.linalg.norm(residual)
+        for _ in range(60):
+            if size == 0.0 or residual.size == 0:
+                break
+            step = np.linalg.lstsq(jacobian[:, self.unknowns], -residual, rcond=1e-12)[0]
+            step *= min(1.0, 1.0 / max(np.abs(step).max(), 1e-300))
+            fraction = 1.0
+            while fraction > 1e-3:
+                trial = q.copy()
+                trial[self.unknowns] += fraction * step
+                new, new_jacobian = self.equations(trial, held, places)
+                if np.linalg.norm(new) < size:
+                    break
+                fraction *= 0.5
+            else:
+                break
+            converging = np.linalg.norm(new) < 0.9 * size
+            q, residual, jacobian, size = trial, new, new_jacobian, np.linalg.norm(new)
+            if size < 1e-14 or (size < CLOSED and not converging):
+                break
+        return Closure(q, float(np.abs(residual).max(initial=0.0)), 0)
+
+    def search(
+        self,
+        guess: Array,
+        held: Mapping[tuple[str, str], float],
+        places: Mapping[str, tuple[float, float]],
+        hinted: bool,
+    ) -> Closure:
+        """The closed position nearest to the guess; without a hint, also count other assembly modes."""
+        best = self.solve(guess, held, places)
+        if (hinted and best.residual < CLOSED) or not (places or len(self.lowered.planar.held)):
+            return Closure(self._unwind(best.q, guess, held), best.residual, 0)
+        found = [best.q] if best.residual < CLOSED else []
+        rng = np.random.default_rng(20221230)
+        span = np.where(self.is_angle, np.pi, self._size())
+        for _ in range(STARTS):
+            start = np.array(guess)
+            start[self.unknowns] += span * rng.uniform(-1.0, 1.0, span.size)
+            trial = self.solve(start, held, places)
+            if trial.residual < CLOSED:
+                q = self._unwind(trial.q, guess, held)
+                if all(np.abs(q - self._unwind(other, guess, held)).max() > 1e-6 for other in found):
+                    found.append(q)
+            elif not found and trial.residual < best.residual:
+                best = trial
+        if not found:
+            return best
+        found = [self._unwind(q, guess, held) for q in found]
+        nearest = min(found, key=lambda q: float(np.linalg.norm(q - guess)))
+        rigid = self.equations(nearest, held, places)[1][:, self.unknowns]
+        unique = np.linalg.matrix_rank(rigid, tol=1e-9) == self.unknowns.size
+        return Closure(nearest, 0.0, len(found) - 1 if unique else 0)
+
+    def _unwind(self, q: Array, guess: Array, held: Mapping[tuple[str, str], float]) -> Array:
+        """Take full turns out of the angles that are not held."""
+        names = [name for name, _ in self.lowered.coordinates]
+        fixed = [f"{joint}.{direction}" for joint, direction in held]
+        free = [k for k in self.unknowns[self.is_angle] if names[k] not in fixed]
+        q = np.array(q)
+        q[free] -= 2.0 * np.pi * np.round((q[free] - guess[free]) / (2.0 * np.pi))
+        return q
+
+    def _size(self) -> float:
+        """A length of the mechanism [m]: the spread of its stations."""
+        position = self.reference.stations(np.zeros(self.lowered.planar.nq), 0.0)[0]
+        return float(np.ptp(position, axis=0).max()) or 1.0
+
+
+def wrap(angle: float) -> float:
+    """The same angle in (-pi, pi]."""
+    return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))

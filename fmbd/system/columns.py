@@ -1,0 +1,79 @@
+"""Where each column of Phi_q^T lives: from the bodies that a constraint touches down to where its loop closes.
+
+A constraint's loop closes at the lowest common ancestor of the bodies that it touches, or at the ground. Its
+column is alive in every body on the way there; each (body, constraint) pair is a slot (see planar.arrays).
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from fmbd.planar.arrays import SLOT, records
+
+GROUND = -1
+
+
+def closing_body(parents: Sequence[int], touched: set[int]) -> int:
+    """Lowest common ancestor of the touched bodies; GROUND (-1) if the ground is one of them."""
+    paths = [_path(parents, body) for body in touched]
+    shared = set(paths[0]).intersection(*paths[1:])
+    return max(shared)
+
+
+def _path(parents: Sequence[int], body: int) -> list[int]:
+    """Body, its parent, ... down to the ground."""
+    path = [body]
+    while path[-1] != GROUND:
+        path.append(parents[path[-1]])
+    return path
+
+
+def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constraints: Any) -> dict[str, Any]:
+    """Give bodies and terms their slots, in place; return the slot arrays of `Planar`."""
+    parents = [int(p) for p in bodies["parent"]]
+    closed: list[list[int]] = [[] for _ in parents]
+    open_: list[list[int]] = [[] for _ in parents]
+    ground: list[int] = []
+    for c, constraint in enumerate(constraints):
+        touched = _touched(stations, terms, pathways[constraint["pathway"]])
+        closing = closing_body(parents, touched)
+        alive = {body for start in touched for body in _path(parents, start) if body > closing}
+        for body in alive:
+            open_[body].append(c)
+        (ground if closing == GROUND else closed[closing]).append(c)
+    slot: dict[tuple[int, int], int] = {}
+    block = 0
+    for i, body in enumerate(bodies):
+        columns = closed[i] + open_[i]
+        body["slot0"], body["nslot"], body["closed"] = len(slot), len(columns), len(closed[i])
+        body["block0"] = block
+        block += len(columns) ** 2
+        for c in columns:
+            slot[i, c] = len(slot)
+    ground_slot0 = len(slot)
+    for c in ground:
+        slot[GROUND, c] = len(slot)
+    constraint_terms = {}
+    for c, constraint in enumerate(constraints):
+        path = pathways[constraint["pathway"]]
+        for j in range(path["term0"], path["term0"] + path["nterm"]):
+            constraint_terms[j] = c
+    terms["slot_a"] = terms["slot_b"] = -1
+    for j, c in constraint_terms.items():
+        for end in "ab":
+            body = int(stations[terms[j][end]]["body"])
+            if body != GROUND:
+                terms[j][f"slot_{end}"] = slot[body, c]
+    slots = records(len(slot), SLOT)
+    row0 = 0
+    for k, (i, c) in enumerate(slot):
+        slots[k].constraint, slots[k].row0 = c, row0
+        slots[k].parent = slot.get((parents[i], c), -1) if i != GROUND else -1
+        if i != GROUND:
+            slots[k].first_row = bodies[i].row0
+            row0 += int(bodies[i].nrow)
+    return {"slots": slots, "slot_rows": row0, "ground_slot0": ground_slot0, "ground_block0": block}
+
+
+def _touched(stations: Any, terms: Any, pathway: Any) -> set[int]:
+    indices = range(pathway["term0"], pathway["term0"] + pathway["nterm"])
+    return {int(stations[terms[j][end]]["body"]) for j in indices for end in "ab"}

@@ -1,0 +1,415 @@
+"""Lower a validated model to the flat arrays of `planar.arrays`: polymorphic parts in, records out.
+
+Every kind of part becomes stations, pathways and a law. Numbers that depend on the configuration at the start
+(rest lengths left out, branches of cut angles, set points given as places) are filled in by `system.start`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fmbd.beams import FloatingBeam, floating_beam
+from fmbd.model import ControllerRef, GravityCompensation, Model, Placement
+from fmbd.model.motors import Motor
+from fmbd.planar import arrays
+from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
+from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies
+from fmbd.system.columns import place_columns
+from fmbd.system.signals import SignalTable
+from fmbd.system.tree import Link, Tree, spanning_tree
+
+Term = tuple[int, tuple[str, str], tuple[str, str], tuple[float, float], float]
+
+
+@dataclass
+class Lowered:
+    """Names and tables collected on the way; `planar` is complete when `lower` returns."""
+
+    model: Model
+    tree: Tree
+    signals: SignalTable = field(default_factory=SignalTable)
+    body_index: dict[str, int] = field(default_factory=dict)
+    beams: dict[int, FloatingBeam] = field(default_factory=dict)
+    psi: dict[int, np.ndarray] = field(default_factory=dict)
+    omega2: dict[int, np.ndarray] = field(default_factory=dict)
+    modal_damping: dict[int, np.ndarray] = field(default_factory=dict)
+    coordinates: list[tuple[str, str]] = field(default_factory=list)
+    constraints: list[tuple[str, str]] = field(default_factory=list)
+    states: list[tuple[str, str]] = field(default_factory=list)
+    stations: dict[tuple[str, str], int] = field(default_factory=dict)
+    pathways: dict[Any, int] = field(default_factory=dict)
+    terms: list[list[Term]] = field(default_factory=list)
+    springs: list[tuple[int, float, float, float]] = field(default_factory=list)
+    spring_names: list[str] = field(default_factory=list)
+    rest_at_start: list[int] = field(default_factory=list)
+    cut_angles: list[int] = field(default_factory=list)  # pathways whose start value lies in (-pi, pi]
+    relaxed: list[int] = field(default_factory=list)  # pathways that are zero at the start
+    planar: Planar = None  # type: ignore[assignment]
+
+    def is_linear(self, pathway: int) -> bool:
+        """Whether a pathway is linear in q: angles, and coordinates of joints of the tree."""
+        tree = {
+            self.joint_term(link.joint, direction)[:4]
+            for link in self.tree.links
+            if link.joint is not None
+            for direction in ("x", "y")
+        }
+        return all(term[0] == ANGLE or term[:4] in tree for term in self.terms[pathway])
+
+    def outer_point(self, link: Link) -> tuple[str, str]:
+        """Body and point of the parent's side of the joint that carries a body."""
+        joint = self.model.joints[link.joint or self.model.motors[link.motor].joint]
+        ref = joint.between[0 if link.forward else 1]
+        return ref.body, ref.point
+
+    def inner_point(self, link: Link) -> tuple[str, str]:
+        """Body and point of the carried side; a rotor turns about its own origin."""
+        if link.joint is None:
+            return link.name, "axis"
+        ref = self.model.joints[link.joint].between[1 if link.forward else 0]
+        return ref.body, ref.point
+
+    def station(self, body: str, point: str) -> tuple[str, str]:
+        """Ask for a station; its index is known once all are collected."""
+        self.stations.setdefault((body, point), -1)
+        return body, point
+
+    def pathway(self, terms: list[Term]) -> int:
+        """Index of the pathway that is the sum of these terms."""
+        key = tuple(terms)
+        if key not in self.pathways:
+            self.pathways[key] = len(self.terms)
+            self.terms.append(terms)
+        return self.pathways[key]
+
+    def joint_term(self, name: str, direction: str, coefficient: float = 1.0) -> Term:
+        """A joint's coordinate: the second point seen from the first."""
+        joint = self.model.joints[name]
+        kind = {"x": ALONG_X, "y": ALONG_Y, "angle": ANGLE}[direction]
+        a, b = (self.station(ref.body, ref.point) for ref in joint.between)
+        return kind, a, b, tuple(joint.axis) if kind != ANGLE else (1.0, 0.0), coefficient
+
+
+def lower(model: Model) -> Lowered:
+    """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground."""
+    out = Lowered(model, _tree(model))
+    _name_bodies(out)
+    _joints(out)
+    _places(out)
+    motors, controllers = _motors(out)
+    _springs(out)
+    loads, distributed = _loads(out)
+    constraints = _constraints(out)
+    _assemble(out, motors, controllers, loads, distributed, constraints)
+    return out
+
+
+def motor_coordinate(model: Model, motor: Motor) -> str:
+    """The coordinate of its joint that a motor moves."""
+    return str(model.joints[motor.joint].motor_coordinate)
+
+
+def has_rotor(motor: Motor) -> bool:
+    """A motor with inertia of its own has a rotor coordinate."""
+    return bool(motor.rotor_inertia > 0.0)
+
+
+def _tree(model: Model) -> Tree:
+    joints = {n: (j.between[0].body, j.between[1].body) for n, j in model.joints.items()}
+    marked = [n for n, j in model.joints.items() if j.cut]
+    rotors = {n: (m.joint, joints[m.joint][0]) for n, m in model.motors.items() if has_rotor(m)}
+    tree, loose = spanning_tree(list(model.bodies), joints, marked, rotors)
+    if loose:
+        why = "once the joints marked `cut` are opened " if marked else ""
+        raise model.error(
+            ("bodies", loose[0]),
+            f"no chain of joints ties it to the ground {why}(add a joint, for instance of type free)",
+        )
+    return tree
+
+
+def _name_bodies(out: Lowered) -> None:
+    """Number bodies and coordinates; build the beams."""
+    for i, link in enumerate(out.tree.links):
+        out.body_index[link.name] = i
+        if link.motor is not None:
+            out.coordinates.append((link.name, "rad"))
+            continue
+        joint = out.model.joints[link.joint]
+        for direction in DIRECTIONS:
+            if direction in joint.coordinates and direction not in joint.driven:
+                out.coordinates.append((f"{link.joint}.{direction}", "rad" if direction == "angle" else "m"))
+        body = out.model.bodies[link.name]
+        if body.type == "beam":
+            masses = [(body.points[point], m.mass, m.inertia) for point, m in body.point_masses.items()]
+            beam = floating_beam(body.pieces, np.asarray(body.nodes, float), body.frame, masses)
+            out.beams[i] = beam
+            out.psi[i], out.omega2[i] = beam.modal_basis()
+            out.modal_damping[i] = _modal_damping(body.damping, out.omega2[i])
+            units = {"w": "m", "slope": "rad"}
+            out.coordinates += [
+                (f"{link.name}.{name}", units[kind])
+                for name, kind in zip(beam.dof_names, beam.dof_kinds, strict=True)
+            ]
+
+
+def _modal_damping(damping: Any, omega2: np.ndarray) -> np.ndarray:
+    """Damping of each mode [1/s]: alpha + beta omega^2 + 2 zeta omega."""
+    ratios = np.zeros(omega2.size)
+    given = np.atleast_1d(np.asarray(damping.modal_ratios, float))
+    if np.ndim(damping.modal_ratios) == 0:
+        ratios[:] = given[0]
+    else:
+        ratios[: given.size] = given[: omega2.size]
+    return (
+        damping.mass_proportional + damping.stiffness_proportional * omega2 + 2.0 * ratios * np.sqrt(omega2)
+    )
+
+
+def _joints(out: Lowered) -> None:
+    """Stations of all joints; springs and friction in them."""
+    for name, joint in out.model.joints.items():
+        for ref in joint.between:
+            out.station(ref.body, ref.point)
+        for direction in sorted({*joint.spring, *joint.friction}):
+            spring = joint.spring.get(direction)
+            k, d, rest = (spring.stiffness, spring.damping, spring.rest) if spring else (0.0, 0.0, 0.0)
+            path = out.pathway([out.joint_term(name, direction)])
+            out.springs.append((path, k, d + joint.friction.get(direction, 0.0), rest))
+            out.spring_names.append(f"{name}.{direction}")
+            if name in out.tree.cut and direction == "angle":
+                out.cut_angles.append(path)
+
+
+def place_point(model: Model, name: str) -> tuple[str, str]:
+    """Body and point that a `place` entry names: a joint (its first point) or body.point."""
+    if name in model.joints:
+        ref = model.joints[name].between[0]
+        return ref.body, ref.point
+    body, point = name.split(".")
+    return body, point
+
+
+def _places(out: Lowered) -> None:
+    """Stations of the points that the start or a controller's target places in the plane."""
+    targets = [
+        law.target.places for law in out.model.controllers.values() if isinstance(law.target, Placement)
+    ]
+    for places in (out.model.initial.place, *targets):
+        for name in places:
+            out.station(*place_point(out.model, name))
+
+
+def _motors(out: Lowered) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Motor and controller records as dictionaries; transmissions become springs (rigid ones: constraints)."""
+    motors: list[dict[str, Any]] = []
+    controllers: list[dict[str, Any]] = []
+    for name, motor in out.model.motors.items():
+        direction = motor_coordinate(out.model, motor)
+        ratio = motor.gear_ratio
+        joint_path = out.pathway([out.joint_term(motor.joint, direction)])
+        if motor.joint in out.tree.cut and direction == "angle":
+            out.cut_angles.append(joint_path)
+        shaft = out.pathway([out.joint_term(motor.joint, direction, ratio)])
+        if has_rotor(motor):
+            rotor = _rotor_term(out, name, motor, 1.0)
+            shaft = out.pathway([rotor])
+            if motor.transmission is not None:
+                twist = [(*rotor[:4], 1.0 / ratio), out.joint_term(motor.joint, direction, -1.0)]
+                out.relaxed.append(out.pathway(twist))
+                out.springs.append(
+                    (out.relaxed[-1], motor.transmission.stiffness, motor.transmission.damping, 0.0)
+                )
+                out.spring_names.append(f"{name}.transmission")
+        record: dict[str, Any] = {
+            "pathway": shaft,
+            "joint_pathway": joint_path,
+            "state": -1,
+            "signal": -1,
+            "controller": -1,
+        }
+        if motor.type == "dc":
+            inductance = motor.inductance or 0.0
+            record |= {
+                "electric": 1,
+                "Km": motor.torque_constant,
+                "Ke": motor.back_emf,
+                "Ra": motor.resistance,
+                "La": inductance,
+            }
+            if inductance > 0.0:
+                record["state"] = len(out.states)
+                out.states.append((f"{name}.current", "A"))
+        if isinstance(motor.input, ControllerRef):
+            record["controller"] = len(controllers)
+            controllers.append(_controller(out, name, motor, shaft, joint_path))
+        else:
+            record["signal"] = out.signals.add(motor.input)
+        motors.append(record)
+    return motors, controllers
+
+
+def _rotor_term(out: Lowered, name: str, motor: Any, coefficient: float) -> Term:
+    stator = out.model.joints[motor.joint].between[0]
+    a = out.station(stator.body, stator.point)
+    return ANGLE, a, out.station(f"{name}.rotor", "axis"), (1.0, 0.0), coefficient
+
+
+def _controller(out: Lowered, name: str, motor: Any, shaft: int, joint_path: int) -> dict[str, Any]:
+    """One motor's own instance of its controller; a target given as a place is set by `system.start`."""
+    law = out.model.controllers[motor.input.name]
+    at_rotor = law.measure == "rotor" or (law.measure is None and has_rotor(motor))
+    record: dict[str, Any] = {
+        "pathway": shaft if at_rotor else joint_path,
+        "kp": law.kp,
+        "kd": law.kd,
+        "ki": law.ki if law.type == "pid" else 0.0,
+        "scale": motor.gear_ratio if at_rotor else 1.0,
+        "target": -1,
+        "shift": 0.0,
+        "feedforward": -1,
+        "online": -1,
+        "low": law.limit[0] if law.limit else -np.inf,
+        "high": law.limit[1] if law.limit else np.inf,
+        "state": -1,
+        "gravity_gain": gravity_gain(motor),
+    }
+    if law.type == "pid":
+        record["state"] = len(out.states)
+        out.states.append((f"{name}.error_integral", "rad s"))
+    if isinstance(law.target, dict):
+        if motor.joint not in law.target:
+            raise out.model.error(
+                ("controllers", motor.input.name, "target"),
+                f"gives no target for joint '{motor.joint}' of motor '{name}'",
+            )
+        record["target"] = out.signals.add(law.target[motor.joint])
+    elif not isinstance(law.target, Placement):
+        record["target"] = out.signals.add(law.target)
+    if not isinstance(law.feedforward, GravityCompensation):
+        record["feedforward"] = out.signals.add(law.feedforward)
+    elif law.feedforward.computed == "online":
+        record["online"] = list(out.model.motors).index(name)
+    return record
+
+
+def gravity_gain(motor: Motor) -> float:
+    """Motor input (voltage or torque) that holds a unit torque at the joint: Ra / (Km r), or 1 / r."""
+    if motor.type == "dc":
+        return float(motor.resistance / (motor.torque_constant * motor.gear_ratio))
+    return float(1.0 / motor.gear_ratio)
+
+
+def _springs(out: Lowered) -> None:
+    for name, spring in out.model.springs.items():
+        a, b = (out.station(ref.body, ref.point) for ref in spring.between)
+        if spring.type == "torsional":
+            kind, rest = ANGLE, spring.rest_angle
+        else:
+            kind, rest = DISTANCE, spring.rest_length
+        if rest is None:
+            out.rest_at_start.append(len(out.springs))
+        path = out.pathway([(kind, a, b, (1.0, 0.0), 1.0)])
+        out.springs.append((path, spring.stiffness, spring.damping, rest or 0.0))
+        out.spring_names.append(name)
+
+
+def _loads(out: Lowered) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    loads, distributed = [], []
+    for load in out.model.loads.values():
+        record: dict[str, Any] = {"fx": -1, "fy": -1, "moment": -1, "following": 0}
+        if load.type != "moment":
+            record |= {
+                "fx": out.signals.add(load.force[0]),
+                "fy": out.signals.add(load.force[1]),
+                "following": int(load.frame == "following"),
+            }
+        if load.type == "distributed":
+            del record["moment"]
+            distributed.append(record | {"on": load.on, "from": load.from_, "to": load.to})
+            continue
+        if load.type == "moment":
+            record["moment"] = out.signals.add(load.moment)
+        loads.append(record | {"station": out.station(load.at.body, load.at.point)})
+    return loads, distributed
+
+
+def _constraints(out: Lowered) -> list[tuple[int, int]]:
+    """(pathway, driver) of each constraint: cut joints, as first minus second point, then rigid gears."""
+    constraints = []
+    for name in out.tree.cut:
+        joint = out.model.joints[name]
+        fixed = [d for d in DIRECTIONS if d not in joint.coordinates or d in joint.driven]
+        a, b = (out.station(ref.body, ref.point) for ref in joint.between)
+        for direction in fixed:
+            if direction != "angle" and {"x", "y"} <= set(fixed) and not joint.driven:
+                # both displacements are held: world axes, so that the multipliers are the force in the world
+                kind = WORLD_X if direction == "x" else WORLD_Y
+                terms = [(kind, a, b, (1.0, 0.0), -1.0)]
+            else:
+                terms = [out.joint_term(name, direction, -1.0)]
+            path = out.pathway(terms)
+            driver = out.signals.add(joint.driven[direction]) if direction in joint.driven else -1
+            constraints.append((path, driver))
+            out.constraints.append((f"{name}.{direction}", "N m" if direction == "angle" else "N"))
+            if direction == "angle":
+                out.cut_angles.append(path)
+    for name, motor in out.model.motors.items():
+        if has_rotor(motor) and motor.transmission is None:
+            rotor = _rotor_term(out, name, motor, 1.0)
+            direction = motor_coordinate(out.model, motor)
+            gear = out.pathway([rotor, out.joint_term(motor.joint, direction, -motor.gear_ratio)])
+            constraints.append((gear, -1))
+            out.constraints.append((f"{name}.gear", "N m"))
+            out.relaxed.append(gear)
+    return constraints
+
+
+def _assemble(
+    out: Lowered,
+    motors: Sequence[dict[str, Any]],
+    controllers: Sequence[dict[str, Any]],
+    loads: Sequence[dict[str, Any]],
+    distributed: Sequence[dict[str, Any]],
+    constraints: Sequence[tuple[int, int]],
+) -> None:
+    """Number the stations and fill the records."""
+    for link in out.tree.links:
+        out.station(*out.outer_point(link))
+        out.station(*out.inner_point(link))
+    order = sorted(out.stations, key=lambda key: out.body_index.get(key[0], -1))
+    out.stations = {key: k for k, key in enumerate(order)}
+    parts = lower_bodies(out, distributed)
+    pathways = records(len(out.terms), arrays.PATHWAY)
+    terms = records(sum(map(len, out.terms)), arrays.TERM)
+    flat = [(p, term) for p, group in enumerate(out.terms) for term in group]
+    for j, (p, (kind, a, b, axis, coefficient)) in enumerate(flat):
+        if pathways[p].nterm == 0:
+            pathways[p].term0 = j
+        pathways[p].nterm += 1
+        terms[j] = (kind, out.stations[a], out.stations[b], *axis, coefficient, -1, -1)
+    rows = [{"pathway": p, "driver": s} for p, s in constraints]
+    parts["constraints"] = fill(arrays.CONSTRAINT, rows)
+    parts |= place_columns(parts["bodies"], parts["stations"], terms, pathways, parts["constraints"])
+    parts["loads"] = fill(arrays.LOAD, [load | {"station": out.stations[load["station"]]} for load in loads])
+    springs = [dict(zip(("pathway", "k", "d", "rest"), s, strict=True)) for s in out.springs]
+    signals, program, table = out.signals.lower()
+    out.planar = Planar(
+        nq=len(out.coordinates),
+        gravity=np.array(out.model.gravity, float),
+        terms=terms,
+        pathways=pathways,
+        springs=fill(arrays.SPRING, springs),
+        motors=fill(arrays.MOTOR, motors),
+        controllers=fill(arrays.CONTROLLER, controllers),
+        signals=signals,
+        program=program,
+        table=table,
+        online_compensation=int(any(c["online"] >= 0 for c in controllers)),
+        held=np.array(
+            [c for c, (name, _) in enumerate(out.constraints) if not name.endswith(".gear")], np.int64
+        ),
+        **parts,
+    )

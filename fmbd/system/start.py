@@ -1,0 +1,294 @@
+"""The start: a position that closes the loops, rates that keep them closed, and what follows from it.
+
+With the start known, the numbers that a model may leave to it are set: rest lengths and angles of springs that are
+relaxed at the start, the branch of angles in cut joints, set points of controllers that name a place.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fmbd.model import ControllerRef, GravityCompensation, Placement
+from fmbd.model.controllers import Controller
+from fmbd.system.closure import CLOSED, Closure, RigidMechanism
+from fmbd.system.lower import Lowered, motor_coordinate
+from fmbd.system.matrices import gravity_compensation
+
+Array = np.ndarray
+
+#: A loop that given joint values miss by less than this share of the mechanism's size is closed by moving them.
+ROUNDING = 1e-2
+
+
+@dataclass(frozen=True)
+class Start:
+    """Nodal coordinates q and rates v (nq,), first-order states z (nz,), and remarks for the user."""
+
+    q: Array
+    v: Array
+    z: Array
+    remarks: tuple[str, ...]
+
+
+def solve_start(lowered: Lowered, reference: Any) -> Start:
+    """Solve the start and complete the records of `lowered` with it.
+
+    Raises ModelError if the loops cannot be closed, a place is out of reach, or given rates contradict each other.
+    """
+    mechanism = RigidMechanism(lowered, reference)
+    remarks: list[str] = []
+    q = _position(lowered, mechanism, remarks)
+    _set_branches(lowered, reference, q)
+    q = _relax_rotors(lowered, mechanism, reference, q)
+    v = _rates(lowered, mechanism, reference, q)
+    values, _ = reference.pathways(q, 0.0)
+    for index in lowered.relaxed:
+        lowered.planar.pathways[index].offset -= values[index]
+    for index in lowered.rest_at_start:
+        spring = lowered.planar.springs[index]
+        spring.rest = values[spring.pathway]
+    return Start(q, v, np.zeros(len(lowered.states)), tuple(remarks))
+
+
+def _by_coordinate(values: Mapping[str, Mapping[Any, float]]) -> dict[tuple[str, str], float]:
+    """{(joint, coordinate): value} from {joint: {coordinate: value}}."""
+    return {(joint, name): number for joint, numbers in values.items() for name, number in numbers.items()}
+
+
+def _guess(lowered: Lowered, values: dict[tuple[str, str], float]) -> Array:
+    q = np.zeros(lowered.planar.nq)
+    for k, (name, _) in enumerate(lowered.coordinates):
+        joint, _, direction = name.partition(".")
+        q[k] = values.get((joint, direction), 0.0)
+    return q
+
+
+def _position(lowered: Lowered, mechanism: RigidMechanism, remarks: list[str]) -> Array:
+    initial = lowered.model.initial
+    joints = _by_coordinate(initial.joints)
+    hints = _by_coordinate(initial.hints)
+    guess = _guess(lowered, hints | joints)
+    if not initial.consistent:
+        miss = mechanism.equations(guess, {}, {})[0]
+        remarks.append(
+            f"start as given (consistent: false); the loops are open by {np.abs(miss).max(initial=0.0):.3g} m"
+        )
+        return guess
+    closure = mechanism.search(guess, joints, initial.place, hinted=bool(hints) or bool(joints))
+    if closure.residual < CLOSED:
+        _remark_closure(lowered, closure, remarks)
+        return closure.q
+    closed = mechanism.solve(guess, {}, initial.place)
+    moved = closed.q - guess
+    if closed.residual < CLOSED and joints and np.abs(moved).max() < ROUNDING:
+        name = lowered.coordinates[int(np.abs(moved).argmax())][0]
+        miss = np.abs(mechanism.equations(guess, {}, initial.place)[0]).max()
+        remarks.append(
+            f"the joint values given miss the closed loop by {miss:.3g} m; moved onto it, "
+            f"at most {np.abs(moved).max():.3g} ({name})"
+        )
+        return closed.q
+    raise _unreachable(lowered, closure, bool(joints), bool(initial.place))
+
+
+def _remark_closure(lowered: Lowered, closure: Closure, remarks: list[str]) -> None:
+    if closure.others:
+        modes = (
+            "another assembly mode exists"
+            if closure.others == 1
+            else f"{closure.others} other assembly modes exist"
+        )
+        remarks.append(f"{modes}; the one nearest to zero joint values was taken (initial.hints chooses)")
+
+
+def _unreachable(lowered: Lowered, closure: Closure, joints: bool, places: bool) -> Exception:
+    where: tuple[str, ...] = (
+        ("initial", "place") if places else ("initial", "joints") if joints else ("joints",)
+    )
+    if places:
+        names = " and ".join(lowered.model.initial.place)
+        text = f"{names} cannot reach the place given: the nearest position found misses by {closure.residual:.3g} m"
+    elif joints:
+        text = (
+            f"the joint values do not close the loop (nearest position found misses by {closure.residual:.3g} m): "
+            "leave some of them out, or give them as initial.hints"
+        )
+    else:
+        cut = ", ".join(lowered.tree.cut)
+        text = f"the loop closed by {cut} cannot be closed: it stays open by {closure.residual:.3g} m"
+    error: Exception = lowered.model.error(where, text)
+    return error
+
+
+def _set_branches(lowered: Lowered, reference: Any, q: Array) -> None:
+    """Count angles in cut joints from the turn that is nearest to zero at the start."""
+    values, _ = reference.pathways(q, 0.0)
+    for index in set(lowered.cut_angles):
+        path = lowered.planar.pathways[index]
+        scale = abs(lowered.planar.terms[path.term0].coefficient)
+        path.offset = -2.0 * np.pi * scale * np.round(values[index] / (2.0 * np.pi * scale))
+
+
+def _rotors(lowered: Lowered) -> list[tuple[int, float, str, str]]:
+    """(coordinate index, gear ratio, joint, direction) of each rotor."""
+    names = [name for name, _ in lowered.coordinates]
+    found = []
+    for link in lowered.tree.links:
+        if link.motor is not None:
+            motor = lowered.model.motors[link.motor]
+            found.append(
+                (
+                    names.index(link.name),
+                    motor.gear_ratio,
+                    motor.joint,
+                    motor_coordinate(lowered.model, motor),
+                )
+            )
+    return found
+
+
+def _relax_rotors(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array) -> Array:
+    """Rotors start where their transmissions are relaxed: phi = r theta."""
+    q = q.copy()
+    for index, ratio, joint, direction in _rotors(lowered):
+        q[index] = ratio * mechanism.coordinate(q, joint, direction)[0]
+    return q
+
+
+def _rates(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array) -> Array:
+    """Rates that satisfy the constraints and the given rates; what they leave open is as small as possible."""
+    nq = lowered.planar.nq
+    planar = lowered.planar
+    given = _by_coordinate(lowered.model.initial.rates)
+    _, gradients = reference.pathways(q, 0.0)
+    rows, wanted = [], []
+    if lowered.model.initial.consistent:
+        for c in planar.held:
+            constraint = planar.constraints[c]
+            drive = reference.signal(constraint["driver"], 0.0)[1] if constraint["driver"] >= 0 else 0.0
+            row = gradients[constraint["pathway"]]
+            rows.append(row[:nq])
+            wanted.append(-row[nq] - drive)
+    for (joint, direction), rate in given.items():
+        row = mechanism.coordinate(q, joint, direction)[1]
+        rows.append(row[:nq])
+        wanted.append(rate - row[nq])
+    v = np.zeros(nq)
+    if rows:
+        A, b = np.array(rows)[:, mechanism.unknowns], np.array(wanted)
+        v[mechanism.unknowns] = np.linalg.lstsq(A, b, rcond=1e-12)[0]
+        miss = np.abs(A @ v[mechanism.unknowns] - b).max()
+        if miss > 1e-9 * max(1.0, np.abs(b).max()):
+            raise lowered.model.error(
+                ("initial", "rates"),
+                f"the rates given contradict the closed loops (by {miss:.3g}): leave some out",
+            )
+    for index, ratio, joint, direction in _rotors(lowered):
+        row = mechanism.coordinate(q, joint, direction)[1]
+        v[index] = ratio * (row[:nq] @ v + row[nq])
+    return v
+
+
+def set_targets(system: Any, mechanism: RigidMechanism) -> None:
+    """Set points of controllers whose target is a place, and feed-forward computed at the target.
+
+    The mechanism is moved from the start to the targets in small steps, so that it stays in its assembly mode.
+    """
+    lowered = system.lowered
+    model = lowered.model
+    controlled = {
+        name: model.controllers[motor.input.name]
+        for name, motor in model.motors.items()
+        if isinstance(motor.input, ControllerRef)
+    }
+    at_target = {
+        name: law
+        for name, law in controlled.items()
+        if isinstance(law.target, Placement) or _compensates_at_target(law)
+    }
+    if not at_target:
+        return
+    held: dict[tuple[str, str], float] = {}
+    places: dict[str, tuple[float, float]] = {}
+    for name, law in controlled.items():
+        motor = model.motors[name]
+        if isinstance(law.target, Placement):
+            places |= law.target.places
+        else:
+            held[motor.joint, motor_coordinate(model, motor)] = _constant_target(system, name, law)
+    q = _move(system, mechanism, held, places)
+    _fill_targets(system, mechanism, q, at_target)
+
+
+def _constant_target(system: Any, name: str, law: Any) -> float:
+    """The value of a target signal, which must not vary."""
+    model = system.lowered.model
+    motor = model.motors[name]
+    signal = law.target[motor.joint] if isinstance(law.target, dict) else law.target
+    if signal.type != "constant":
+        raise model.error(
+            ("controllers", motor.input.name, "feedforward"),
+            "gravity compensation at the target needs a constant target; write {type: gravity_compensation, computed: online}",
+        )
+    return float(signal.value)
+
+
+def _move(
+    system: Any,
+    mechanism: RigidMechanism,
+    held: dict[tuple[str, str], float],
+    places: dict[str, tuple[float, float]],
+) -> Array:
+    """Follow the targets from the start position."""
+    model = system.lowered.model
+    q = system.start.q * ~system.elastic
+    from_held = {key: mechanism.coordinate(q, *key)[0] for key in held}
+    position = system.reference.stations(q, 0.0)[0]
+    points = {name: position[system.station_of_place(name)] for name in places}
+    for share in np.linspace(0.0, 1.0, 21)[1:]:
+        between = {key: from_held[key] + share * (value - from_held[key]) for key, value in held.items()}
+        on_way = {
+            name: tuple(points[name] + share * (np.asarray(place) - points[name]))
+            for name, place in places.items()
+        }
+        closure = mechanism.solve(q, between, on_way)
+        if closure.residual > CLOSED:
+            closure = mechanism.search(q, held, places, hinted=False)
+            if closure.residual > CLOSED:
+                law = next(
+                    name for name, c in model.controllers.items() if places.keys() <= _places_of(c) or held
+                )
+                raise model.error(
+                    ("controllers", law, "target"),
+                    f"the target is out of reach: the nearest position found misses by {closure.residual:.3g} m",
+                )
+            return closure.q
+        q = closure.q
+    return q
+
+
+def _places_of(law: Controller) -> set[str]:
+    return set(law.target.places) if isinstance(law.target, Placement) else set()
+
+
+def _compensates_at_target(law: Controller) -> bool:
+    return isinstance(law.feedforward, GravityCompensation) and law.feedforward.computed == "target"
+
+
+def _fill_targets(system: Any, mechanism: RigidMechanism, q: Array, at_target: dict[str, Any]) -> None:
+    lowered = system.lowered
+    planar = lowered.planar
+    values, _ = system.reference.pathways(q, 0.0)
+    torques = None
+    names = list(lowered.model.motors)
+    for name, law in at_target.items():
+        record = planar.motors[names.index(name)]
+        control = planar.controllers[record.controller]
+        if isinstance(law.target, Placement):
+            control.shift = control.scale * values[record.joint_pathway]
+        if _compensates_at_target(law):
+            if torques is None:
+                torques = gravity_compensation(system, q, 0.0)
+            control.bias = control.gravity_gain * torques[names.index(name)]
