@@ -21,6 +21,10 @@ from fmbd.model.expressions import ExpressionError, evaluate, names_in
 from fmbd.model.names import described, shortened
 from fmbd.model.problems import Muted, in_words
 
+# Larger numbers would take products of four dimensions and a modulus out of range; smaller ones count as 0.
+LARGEST = 1e30
+SMALLEST = 1e-30
+
 
 class Part(BaseModel):
     """A part as it is written: unknown keys are refused, nothing changes afterwards."""
@@ -42,10 +46,11 @@ class Part(BaseModel):
 
 
 def to_number(value: Any, info: ValidationInfo) -> float:
-    """A finite float from a number or from an expression over the parameters."""
-    if isinstance(value, str):
-        return evaluate_text(value, info)
-    return finite_number(value)
+    """A number of the model from a plain number or from an expression over the parameters."""
+    number = evaluate_text(value, info) if isinstance(value, str) else finite_number(value)
+    if abs(number) > LARGEST:
+        raise ValueError(f"is too large: {number:g}; numbers up to {LARGEST:g} make sense")
+    return number if abs(number) > SMALLEST else 0.0
 
 
 def finite_number(value: Any) -> float:

@@ -4,16 +4,16 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Tag
+from pydantic import Discriminator, Field, Tag, ValidationInfo
 
 from fmbd.model.base import NotNegative, Number, Part, Positive, Text, Whole, short_form
-from fmbd.model.context import reference, reject
+from fmbd.model.context import Context, context_of, reference, reject
 from fmbd.model.materials import Material
 from fmbd.model.names import unknown
 from fmbd.model.pieces import LENGTH_TOLERANCE, BeamPiece, SectionLayout, beam_pieces, uniform_piece
 from fmbd.model.points import Name
 
-MAX_ELEMENTS = 100_000
+MAX_ELEMENTS = 100_000  # of all beams of a model
 
 
 class PointMass(Part):
@@ -47,8 +47,8 @@ class Damping(Part):
 class Beam:
     """A planar Euler-Bernoulli beam along the x axis of its floating frame.
 
-    `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, with start, end and
-    node0 to nodeN; `pieces` cover the length; mass and stiffness are polynomials within each.
+    `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, start, end and
+    node0 to nodeN included; `pieces` cover the length; mass and stiffness are polynomials within each.
     """
 
     type: ClassVar[str] = "beam"
@@ -74,22 +74,25 @@ class BeamEntry(Part):
     material: Annotated[Material, reference("materials", "material")] | None = None
     """Name of a material."""
     section: SectionLayout | None = None
-    """Name of a section, a taper {start: name, end: name}, or a list of pieces {until: position, section: ...}."""
+    """Name of a section, a taper {start: name, end: name}, or a list of pieces {until: position, section}."""
     mass_per_length: Positive | None = None
     """Mass per length [kg/m], with bending_stiffness instead of material and section."""
     bending_stiffness: Positive | None = None
     """Bending stiffness E I [N m^2]."""
     frame: Literal["clamped", "chord"] = "clamped"
     """Floating frame: tangent to the beam at its start, or through both ends."""
-    points: dict[Name, NotNegative] = {}
+    points: dict[Name, NotNegative] = Field(default_factory=dict)
     """Points by name: distance from the start [m]. start, end and node0, node1, ... always exist."""
-    point_masses: dict[Text, Annotated[PointMass, short_form("mass", NotNegative | PointMass)]] = {}
+    point_masses: dict[Text, Annotated[PointMass, short_form("mass", NotNegative | PointMass)]] = Field(
+        default_factory=dict
+    )
     """Masses fixed to points of the beam: a mass [kg] or {mass, inertia}."""
     damping: Damping = Damping()
     """Structural damping."""
 
-    def resolve(self) -> Beam:
+    def resolve(self, info: ValidationInfo) -> Beam:
         """The beam with its nodes, points and properties worked out."""
+        self._count_elements(context_of(info))
         nodes = self._mesh()
         points = self._named_points(nodes)
         for name in self.point_masses:
@@ -98,6 +101,15 @@ class BeamEntry(Part):
         return Beam(
             self.length, nodes, self.frame, points, self.point_masses, self.damping, self._properties()
         )
+
+    def _count_elements(self, context: Context) -> None:
+        """All beams together stay within what memory holds."""
+        context.elements += len(self.nodes) - 1 if self.nodes else self.elements or 0
+        if context.elements > MAX_ELEMENTS:
+            key = "nodes" if self.nodes else "elements"
+            reject(
+                (key,), f"the beams up to here have {context.elements} elements; {MAX_ELEMENTS} are allowed"
+            )
 
     def _mesh(self) -> tuple[float, ...]:
         if self.elements is None and self.nodes is None:
@@ -109,15 +121,13 @@ class BeamEntry(Part):
         return self._checked_nodes(self.nodes)
 
     def _equal_elements(self, count: int) -> tuple[float, ...]:
-        if not 1 <= count <= MAX_ELEMENTS:
-            reject(("elements",), f"must be between 1 and {MAX_ELEMENTS}, is {count}")
+        if count < 1:
+            reject(("elements",), f"must be at least 1, is {count}")
         return (*(self.length * k / count for k in range(count)), self.length)
 
     def _checked_nodes(self, nodes: tuple[float, ...]) -> tuple[float, ...]:
         if len(nodes) < 2:
             reject(("nodes",), "needs at least two positions, 0 and the length")
-        if len(nodes) - 1 > MAX_ELEMENTS:
-            reject(("nodes",), f"a beam has at most {MAX_ELEMENTS} elements")
         if nodes[0] != 0.0:
             reject(("nodes", 0), f"the first node must be at 0, is at {nodes[0]:g}")
         for k in range(1, len(nodes)):

@@ -10,8 +10,6 @@ from fmbd.model.motors import ControllerRef, Motor
 from fmbd.model.points import GROUND
 from fmbd.model.problems import Problems
 
-MAX_TOTAL_ELEMENTS = 200_000
-
 
 def check_model(fields: Mapping[str, Any], problems: Problems) -> None:
     """Add what is wrong with the model as a whole; parts that failed are None."""
@@ -19,11 +17,6 @@ def check_model(fields: Mapping[str, Any], problems: Problems) -> None:
         _check_held(fields["bodies"], fields["joints"], problems)
     if all(fields["motors"].values()):
         _check_controllers(fields["controllers"], fields["motors"], problems)
-    elements = sum(len(body.nodes) - 1 for body in fields["bodies"].values() if isinstance(body, Beam))
-    if elements > MAX_TOTAL_ELEMENTS:
-        problems.add(
-            ("bodies",), f"all beams together have {elements} elements; {MAX_TOTAL_ELEMENTS} are allowed"
-        )
 
 
 def _check_held(bodies: Mapping[str, Any], joints: Mapping[str, Joint], problems: Problems) -> None:

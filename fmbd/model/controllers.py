@@ -89,12 +89,12 @@ class PDController(Part):
     kd: Number = 0.0
     """Gain of the rate [V s/rad or N m s/rad]."""
     measure: Literal["rotor", "joint"] | None = None
-    """What is fed back; the set point of a rotor is gear_ratio times the target. Default: the rotor if it has one."""
+    """What is fed back, the rotor if there is one; its set point is gear_ratio times the target."""
     target: Annotated[
         Signal | dict[str, Signal] | Placement,
         PlainValidator(_to_target, json_schema_input_type=SignalField | Placement | dict[str, SignalField]),
     ]
-    """Joint coordinate: a signal, {joint: signal}, or {place: {point or joint: [x, y]}} for the rigid mechanism."""
+    """Joint coordinate: a signal, {joint: signal}, or where points are to be, {place: {point: [x, y]}}."""
     feedforward: Annotated[
         Signal | GravityCompensation,
         PlainValidator(

@@ -66,8 +66,8 @@ class Document:
     def find(self, path: Path) -> tuple[list[str | int], Any, Place]:
         """The part of `path` that the file contains, with the data and the place it leads to.
 
-        Steps that are not in the file are left out: long forms of what is written short, and the type of a part
-        that validation puts behind its name.
+        Steps that are not in the file are left out: long forms of what is written short, and the type of a
+        part that validation puts behind its name.
         """
         steps: list[str | int] = []
         data, place = self.data, self.root
@@ -107,8 +107,8 @@ def written(path: Path) -> str:
 def parse(text: str, label: str) -> Document:
     """Read YAML text; raises ModelError.
 
-    Scalars follow the YAML 1.2 core schema (`on` and `yes` are text, `1e-6` is a number). Tags, duplicate keys, more
-    than one document, and files that are nested too deeply or grow too much through aliases are refused.
+    Scalars follow the YAML 1.2 core schema (`on` and `yes` are text, `1e-6` is a number). Tags, repeated keys,
+    more than one document, too deep nesting and aliases that expand to too much are refused.
     """
     try:
         size = len(text.encode())
@@ -128,7 +128,8 @@ def _syntax_problem(error: yaml.YAMLError, label: str) -> str:
         context = f" ({error.context})" if error.context else ""
         return f"{label}:{mark.line + 1}:{mark.column + 1}: not valid YAML: {error.problem}{context}"
     if isinstance(error, yaml.reader.ReaderError):
-        return f"{label}: not valid YAML: character {error.character!r} at position {error.position} is not allowed"
+        where = f"at position {error.position}"
+        return f"{label}: not valid YAML: character {error.character!r} {where} is not allowed"
     return f"{label}: not valid YAML: {' '.join(str(error).split())}"
 
 

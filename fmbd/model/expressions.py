@@ -1,6 +1,6 @@
 """Arithmetic expressions over parameters and, in signals, over the time t.
 
-An expression is lowered to a postfix program of (operation, constant) pairs; every part that does not depend on t is
+An expression is lowered to a postfix program of (operation, constant) pairs; what does not depend on t is
 folded into a constant, so that a number written as an expression is a program of one constant.
 """
 
@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 
-from fmbd.model.names import did_you_mean, unknown
+from fmbd.model.names import did_you_mean, shortened, unknown
 
 Program = list[tuple[str, float]]
 
@@ -52,8 +52,11 @@ _UNARY: dict[str, Callable[[float], float]] = {
     "floor": lambda a: float(math.floor(a)),
     "ceil": lambda a: float(math.ceil(a)),
 } | {
-    name: getattr(math, name)
-    for name in "sin cos tan asin acos atan sinh cosh tanh exp log sqrt log10 radians degrees".split()
+    function.__name__: function
+    for function in (
+        *(math.sin, math.cos, math.tan, math.asin, math.acos, math.atan, math.sinh, math.cosh, math.tanh),
+        *(math.exp, math.log, math.log10, math.sqrt, math.radians, math.degrees),
+    )
 }
 # Functions of t that a program has no operation for: the operation and the constant that replace them.
 _LOWERED: dict[str, Program] = {
@@ -85,9 +88,9 @@ def evaluate(text: str, parameters: Mapping[str, float]) -> float:
 def compile_time_expression(text: str, parameters: Mapping[str, float]) -> Program:
     """The postfix program of an expression in t [s] and `parameters`; raises ExpressionError.
 
-    Operations: const t add sub mul div pow neg sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt abs min
-    max hypot sign floor ceil mod; `const` carries its value, the others 0. `a % b` has the sign of b. At most 64
-    values are on the stack at any moment.
+    Operations: const t add sub mul div pow neg sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt
+    abs min max hypot sign floor ceil mod; `const` carries its value, the others 0. `a % b` has the sign of b.
+    At most 64 values are on the stack at any moment.
     """
     program = _lower(_parse(text), parameters, time=True)
     if _stack_size(program) > MAX_STACK:
@@ -115,7 +118,7 @@ def _parse(text: str) -> ast.expr:
             warnings.simplefilter("ignore")
             return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ExpressionError(f"cannot read the expression '{text}'") from None
+        raise ExpressionError(f"cannot read the expression '{shortened(text)}'") from None
 
 
 def _lower(node: ast.expr, parameters: Mapping[str, float], time: bool, depth: int = 0) -> Program:
@@ -156,7 +159,7 @@ def _value_of_name(name: str, parameters: Mapping[str, float], time: bool) -> Pr
         raise ExpressionError("must not depend on the time t: only signals do")
     if name in FUNCTIONS:
         raise ExpressionError(f"the function '{name}' needs its argument in parentheses")
-    raise ExpressionError(unknown("name", name, [*parameters, *CONSTANTS]))
+    raise ExpressionError(unknown("name", name, parameters))
 
 
 def _check_call(name: str, count: int) -> None:
@@ -201,7 +204,8 @@ def _written(operation: str, values: list[float]) -> str:
     signs = {"add": "+", "sub": "-", "mul": "*", "div": "/", "mod": "%", "pow": "**"}
     numbers = [f"{value:g}" for value in values]
     if operation in signs:
-        return f"{numbers[0]} {signs[operation]} {numbers[1]}"
+        left, right = (f"({number})" if number.startswith("-") else number for number in numbers)
+        return f"{left} {signs[operation]} {right}"
     return f"{operation}({', '.join(numbers)})"
 
 

@@ -48,29 +48,29 @@ class ModelFile(Part):
     """Name of the model; the file's name when left out."""
     description: Text | None = None
     """What the model is."""
-    parameters: dict[Name, Number] = {}
+    parameters: dict[Name, Number] = Field(default_factory=dict)
     """Numbers by name, for use in expressions."""
     gravity: Pair = (0.0, 0.0)
     """Acceleration of gravity [m/s^2]."""
-    signals: dict[Name, SignalField] = {}
+    signals: dict[Name, SignalField] = Field(default_factory=dict)
     """Functions of time."""
-    materials: dict[Name, Material] = {}
+    materials: dict[Name, Material] = Field(default_factory=dict)
     """Materials of beams and shapes."""
-    sections: dict[Name, SectionField] = {}
+    sections: dict[Name, SectionField] = Field(default_factory=dict)
     """Cross-sections of beams."""
     ground: Annotated[GroundEntry, AfterValidator(GroundEntry.resolve)] = GroundEntry()
     """The fixed world."""
     bodies: dict[Name, BodyField]
     """Rigid bodies and beams."""
-    joints: dict[Name, Joint] = {}
+    joints: dict[Name, Joint] = Field(default_factory=dict)
     """Joints between points of bodies."""
-    springs: dict[Name, SpringField] = {}
+    springs: dict[Name, SpringField] = Field(default_factory=dict)
     """Springs and dampers between points."""
-    loads: dict[Name, LoadField] = {}
+    loads: dict[Name, LoadField] = Field(default_factory=dict)
     """Forces and moments."""
-    controllers: dict[Name, ControllerField] = {}
+    controllers: dict[Name, ControllerField] = Field(default_factory=dict)
     """Feedback controllers of motors."""
-    motors: dict[Name, MotorField] = {}
+    motors: dict[Name, MotorField] = Field(default_factory=dict)
     """Motors on joints."""
     initial: Initial = Initial()
     """The start."""

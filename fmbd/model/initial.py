@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, ValidationInfo
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from fmbd.model.base import Flag, Number, Part
 from fmbd.model.context import context_of, reject
@@ -41,13 +41,13 @@ JointValues = Annotated[
 class Initial(Part):
     """The start: what is given here, completed so that all loops are closed."""
 
-    joints: Annotated[JointValues, AfterValidator(_not_driven)] = {}
+    joints: Annotated[JointValues, AfterValidator(_not_driven)] = Field(default_factory=dict)
     """Joint coordinates [m or rad], by coordinate if a joint has several."""
-    rates: Annotated[JointValues, AfterValidator(_not_driven)] = {}
+    rates: Annotated[JointValues, AfterValidator(_not_driven)] = Field(default_factory=dict)
     """Rates of joint coordinates [m/s or rad/s]."""
-    place: PlacesField = {}
+    place: PlacesField = Field(default_factory=dict)
     """Places [m] that points are brought to: {point or joint: [x, y]}; a joint stands for its first point."""
-    hints: JointValues = {}
+    hints: JointValues = Field(default_factory=dict)
     """Rough joint coordinates that choose among the ways to assemble the mechanism."""
     consistent: Flag = True
     """false: start from exactly these joint coordinates, even if a loop is open."""

@@ -3,7 +3,7 @@
 from math import hypot
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, BeforeValidator, ValidationInfo, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, model_validator
 
 from fmbd.model.base import Flag, NotNegative, Number, Pair, Part
 from fmbd.model.context import reject
@@ -81,12 +81,12 @@ def _normalised(axis: tuple[float, float]) -> tuple[float, float]:
 class Joint(Part):
     """A joint: which of x, y and angle between the frames of two points are free.
 
-    The coordinates are the motion of the second point seen from the first: x and y along the first point's axes,
-    turned by `axis`; angle is the angle of the second point's frame minus that of the first.
+    The coordinates are the motion of the second point seen from the first: x and y along the first point's
+    axes, turned by `axis`; angle is the angle of the second point's frame minus that of the first.
     """
 
     type: Literal["revolute", "prismatic", "weld", "pin_in_slot", "free"]
-    """Free coordinates: revolute angle; prismatic x; weld none; pin_in_slot x and angle; free x, y and angle."""
+    """Free are: revolute angle; prismatic x; weld nothing; pin_in_slot x and angle; free x, y and angle."""
     between: tuple[PointRefField, PointRefField]
     """The two points, of different bodies: [body.point, body.point]."""
     axis: Annotated[Pair, AfterValidator(_normalised)] = (1.0, 0.0)
@@ -94,17 +94,17 @@ class Joint(Part):
     spring: Annotated[
         dict[Coordinate, JointSpring],
         BeforeValidator(_spring, json_schema_input_type=JointSpring | dict[Coordinate, JointSpring]),
-    ] = {}
+    ] = Field(default_factory=dict)
     """Spring and damper {stiffness, damping, rest}, by coordinate if there are several."""
     friction: Annotated[
         dict[Coordinate, NotNegative],
         BeforeValidator(_number, json_schema_input_type=NotNegative | dict[Coordinate, NotNegative]),
-    ] = {}
+    ] = Field(default_factory=dict)
     """Viscous friction [N s/m or N m s/rad], by coordinate if there are several."""
     driven: Annotated[
         dict[Coordinate, SignalField],
         BeforeValidator(_signal, json_schema_input_type=SignalField | dict[Coordinate, SignalField]),
-    ] = {}
+    ] = Field(default_factory=dict)
     """Prescribed motion: a signal [m or rad], by coordinate if there are several."""
     cut: Flag = False
     """Marks the joint that closes a loop; left out, the program chooses."""

@@ -26,8 +26,8 @@ from fmbd.model.springs import Spring
 class Model:
     """A planar mechanism as its file describes it, all names resolved, all numbers in SI units.
 
-    Parts are in dictionaries by name, in file order. `text` is the YAML source, `path` its file (None for a text),
-    `overrides` what was changed since, by path. Changed copies come from `with_`.
+    Parts are in dictionaries by name, in file order. `text` is the YAML source, `path` its file (None for a
+    text), `overrides` what was changed since, by path. Changed copies come from `with_`.
     """
 
     fmbd: int
@@ -55,8 +55,8 @@ class Model:
     def with_(self, path: str, value: object) -> "Model":
         """A copy in which the value at `path` is another; raises ModelError.
 
-        `bodies.rod.elements`, `parameters.l1`, `gravity.1`; `*` stands for every part that can have the key, as in
-        `bodies.*.elements`. A string is read as YAML.
+        `bodies.rod.elements`, `parameters.l1`, `gravity.1`; `*` stands for every part that can have the key:
+        `bodies.*.elements`. A string is read as YAML. `elements` replaces a beam's `nodes` and vice versa.
         """
         from fmbd.model.loader import load_model_text  # the loader makes models
 

@@ -72,7 +72,7 @@ class _Motor(Part):
 
 
 class DCMotor(_Motor):
-    """A DC motor: inductance i' + resistance i + back_emf rotor rate = voltage, torque = torque_constant i."""
+    """A DC motor: inductance i' + resistance i + back_emf rotor' = voltage, torque = torque_constant i."""
 
     type: Literal["dc"]
     resistance: Positive

@@ -1,4 +1,4 @@
-"""Changes to a document by path, before it is read: `bodies.rod.elements`, `gravity.1`, `bodies.*.elements`."""
+"""Changes to a document by path, before it is read: `bodies.rod.elements`, `gravity.1`, `motors.*.joint`."""
 
 import numbers
 from collections.abc import Iterator, Mapping
@@ -44,7 +44,7 @@ def _plain(value: Any) -> Any:
 
 
 def _targets(data: Any, steps: list[str]) -> list[list[str]]:
-    """The paths that `steps` means: names are checked, each `*` is replaced by all parts that can have the rest."""
+    """The paths that `steps` means: names are checked, `*` stands for all parts that can have the rest."""
     if not isinstance(data, dict):
         raise ValueError("the model is not a mapping")
     first, *rest = steps

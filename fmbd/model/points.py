@@ -47,7 +47,7 @@ class Ground:
 class GroundEntry(Part):
     """The fixed world."""
 
-    points: PointsField = {}
+    points: PointsField = Field(default_factory=dict)
     """Points of the ground; `origin` at [0, 0] always exists."""
 
     def resolve(self) -> Ground:

@@ -40,13 +40,18 @@ class Problems:
             of_key = "[key]" in path or isinstance(problem, AtKey)
             line = self.document.problem(path, str(problem), of_key)
             self.lines[line] = self.document.find(path)[2].mark or (-1, -1)
+            if len(self.lines) == MAX_PROBLEMS:
+                self.check()
 
     def check(self) -> None:
         """Raise ModelError if anything was added, in the order of the file."""
         if self.lines:
             lines = sorted(self.lines, key=lambda line: self.lines[line])
-            more = len(lines) - MAX_PROBLEMS
-            raise ModelError(lines[:MAX_PROBLEMS] + ([f"... and {more} more problems"] if more > 0 else []))
+            if len(lines) == MAX_PROBLEMS:
+                lines.append(
+                    f"{self.document.label}: there may be more: reading stops after {MAX_PROBLEMS} problems"
+                )
+            raise ModelError(lines)
 
 
 def in_words(error: ValidationError, keys: Iterable[str] = ()) -> ValidationError:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
+from pydantic import Field
+
 from fmbd.model.base import NotNegative, Pair, Part, Positive, Text, short_form
 from fmbd.model.context import reference, reject
 from fmbd.model.materials import Material
@@ -51,7 +53,7 @@ class RigidBodyEntry(Part):
     """Density of the shape [kg/m^3]."""
     material: Annotated[Material, reference("materials", "material")] | None = None
     """Material of the shape, instead of a density."""
-    points: PointsField = {}
+    points: PointsField = Field(default_factory=dict)
     """Points of the body by name: [x, y] or {at: [x, y], angle: rad}."""
 
     def resolve(self) -> RigidBody:
@@ -82,9 +84,9 @@ class RigidBodyEntry(Part):
         x, y = places[inertia.about]
         least = mass * ((x - center[0]) ** 2 + (y - center[1]) ** 2)
         if inertia.value < least * (1.0 - 1e-12):
+            about = f"{inertia.value:g} about '{inertia.about}'"
             message = (
-                f"is {inertia.value:g} about '{inertia.about}', less than the {least:g} kg m^2 that the mass alone "
-                "has there (mass times distance to the centre of mass squared)"
+                f"is {about}, less than mass times its squared distance from the centre of mass, {least:g}"
             )
             reject(("inertia", "value"), message)
         return max(inertia.value - least, 0.0)

@@ -183,5 +183,5 @@ def check_signal_name(text: str, context: Context, kind: str, others: Iterable[s
 
 
 # An alias of its own, so that the schema describes signals once.
-SignalEntry = TypeAliasType("SignalEntry", float | str | _Mapping)  # type: ignore[misc]
+SignalEntry = TypeAliasType("SignalEntry", float | str | _Mapping)
 SignalField = Annotated[Signal, PlainValidator(to_signal, json_schema_input_type=SignalEntry)]

@@ -22,7 +22,7 @@ class Simulation(Part):
     duration: Positive = 1.0
     """Simulated time [s]."""
     method: Literal["dop853", "rk45", "baumgarte"] = "dop853"
-    """Integrator: explicit Runge-Kutta of order 8 or 5 with projection, or the null-space Baumgarte scheme."""
+    """Explicit Runge-Kutta of order 8 or 5 with projection, or the null-space Baumgarte scheme."""
     rtol: Positive = 1e-6
     """Relative tolerance of a step."""
     atol: Positive = Field(default_factory=lambda data: data["rtol"] * 1e-3)

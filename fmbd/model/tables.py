@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import PlainValidator
 
-from fmbd.model.base import Part, Text
+from fmbd.model.base import LARGEST, Part, Text
 from fmbd.model.context import reject
 from fmbd.model.names import described, unknown
 
@@ -105,8 +105,10 @@ class TableEntry(Part):
     def _number(self, line: int, row: list[str], column: int) -> float:
         if column >= len(row):
             reject(("file",), f"{self.file}:{line}: column {column} is missing")
-        if not _is_number(row[column]):
-            reject(("file",), f"{self.file}:{line}: '{row[column][:40]}' is not a finite number")
+        if not _is_number(row[column]) or abs(float(row[column])) > LARGEST:
+            reject(
+                ("file",), f"{self.file}:{line}: '{row[column][:40]}' is not a number of at most {LARGEST:g}"
+            )
         return float(row[column])
 
 

@@ -23,6 +23,7 @@ BODY = np.dtype(
         ("sign", "f8"),  # +1: the joint's first point is on the parent; -1: on this body
         ("axis_c", "f8"),
         ("axis_s", "f8"),  # direction of the joint's x axis in its first point's frame
+        ("sliding", "i8"),  # 1: the joint has an x or y that moves
         ("coordinate", "i8", (3,)),  # index into q of the free x, y, angle
         ("driver", "i8", (3,)),  # signal that prescribes x, y, angle
         ("mass", "f8"),
@@ -143,7 +144,7 @@ ROW_STATE = np.dtype(
 # One column of Phi_q^T as an articulated body sees it, and its right-hand side; the integers are constant.
 SLOT = np.dtype(
     [("constraint", "i8"), ("parent", "i8"), ("row0", "i8"), ("first_row", "i8")]
-    + [(n, "f8") for n in ("gx", "gy", "gz", "rhs", "pivot", "diagonal")]
+    + [(n, "f8") for n in ("gx", "gy", "gz", "rhs", "pivot", "self_term")]
     + [("u", "f8", (3,))],
     align=True,
 )

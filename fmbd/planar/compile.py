@@ -9,10 +9,18 @@ from typing import Any
 
 from numba import njit
 
-_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "forceinline": True}
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
-compiled: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(**_OPTIONS)
-#: Sums over modes may be reordered, so that they use the processor's vector units.
-compiled_sums: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(
-    fastmath={"reassoc", "contract"}, **_OPTIONS
-)
+_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
+_INSIDE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# fused multiply-add, and one reciprocal for several divisions: the last digit may differ
+_ROUNDING = {"contract", "arcp"}
+
+#: A kernel that Python may call.
+compiled: Decorator = njit(fastmath=_ROUNDING, **_OPTIONS)
+#: A kernel that only other kernels call.
+inner: Decorator = njit(fastmath=_ROUNDING, **_OPTIONS, **_INSIDE)
+#: A part of a kernel, merged into it wherever it is called.
+part: Decorator = njit(fastmath=_ROUNDING, forceinline=True, **_OPTIONS, **_INSIDE)
+#: A part whose sums over modes may be reordered, so that they use the processor's vector units.
+part_sums: Decorator = njit(fastmath={*_ROUNDING, "reassoc"}, forceinline=True, **_OPTIONS, **_INSIDE)

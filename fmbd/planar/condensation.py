@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled, compiled_sums
+from fmbd.planar.compile import part, part_sums
 
 
-@compiled
+@part
 def hold_by_rows(
     b: Any, f: Any, inner: Any, rows: Any, Hyy: np.ndarray, slots: Any, slot_y: np.ndarray
 ) -> None:
@@ -50,7 +50,7 @@ def hold_by_rows(
             slot_y[s.row0 + local] -= gx * s.gx + gy * s.gy + gz * s.gz
 
 
-@compiled
+@part
 def compliance(b: Any, gram: np.ndarray, Hyy: np.ndarray, N: np.ndarray, a: np.ndarray) -> None:
     """N = (I + W Hyy)^-1 W by elimination with row pivoting, in the scratch matrix a."""
     n = b.nrow
@@ -79,7 +79,7 @@ def compliance(b: Any, gram: np.ndarray, Hyy: np.ndarray, N: np.ndarray, a: np.n
             N[b.gram0 + r * n + j] = a[r, n + j] / a[r, r]
 
 
-@compiled_sums
+@part_sums
 def free_rows(b: Any, R: np.ndarray, f_eta: np.ndarray, rows: Any) -> None:
     """R f_eta: the row accelerations that the modal forces alone would give."""
     for r in range(b.nrow):
@@ -90,7 +90,7 @@ def free_rows(b: Any, R: np.ndarray, f_eta: np.ndarray, rows: Any) -> None:
         rows[b.row0 + r].free = total
 
 
-@compiled
+@part
 def eliminate_modes(
     b: Any,
     f: Any,
@@ -145,7 +145,7 @@ def eliminate_modes(
                 block[b.block0 + m * b.nslot + m2] += own * total
 
 
-@compiled
+@part
 def _add_compliant(b: Any, N: np.ndarray, rows: Any) -> None:
     """free += N push, for all rows of a body."""
     for r in range(b.nrow):
@@ -155,7 +155,7 @@ def _add_compliant(b: Any, N: np.ndarray, rows: Any) -> None:
         rows[b.row0 + r].free += total
 
 
-@compiled
+@part
 def put_back_rows(
     b: Any,
     f: Any,
@@ -183,7 +183,7 @@ def put_back_rows(
                 row.g -= Hyy[b.gram0 + r * n + j] * rows[b.row0 + j].free
 
 
-@compiled_sums
+@part_sums
 def put_back_modes(b: Any, R: np.ndarray, f_eta: np.ndarray, rows: Any, qdd: np.ndarray) -> None:
     """eta'' = f_eta + R^T g."""
     for k in range(b.nf):

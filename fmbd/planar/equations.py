@@ -4,12 +4,11 @@ y = [q (nq), v (nq), z (nz), dissipated energy, work]      state of an explicit 
 Phi = 0, Phi' = 0                                          constraints, position and velocity
 """
 
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled
+from fmbd.planar.compile import compiled, inner, part
 from fmbd.planar.forces import applied_forces, body_forces, clear_forces
 from fmbd.planar.gravity_compensation import compensate_gravity
 from fmbd.planar.kinematics import kinematics
@@ -52,7 +51,7 @@ def accelerations(
     return failed, dissipated, power + driving_power(sys, work)
 
 
-@compiled
+@part
 def constraint(record: Any, lengths: Any, signal: np.ndarray) -> tuple[float, float, float]:
     """Phi, Phi' and Phi'' at zero q'' of a constraint."""
     path = lengths[record.pathway]
@@ -62,7 +61,7 @@ def constraint(record: Any, lengths: Any, signal: np.ndarray) -> tuple[float, fl
     return path.value + s[0], path.rate + s[1], path.bias + s[2]
 
 
-@compiled
+@part
 def driving_power(sys: Any, work: Any) -> float:
     """Power that prescribed joint motions put in; needs a finished solve."""
     power = 0.0
@@ -82,7 +81,7 @@ def driving_power(sys: Any, work: Any) -> float:
     return power
 
 
-@compiled
+@part
 def reaction(sys: Any, work: Any, i: int) -> tuple[float, float, float]:
     """Force and moment that the tree joint of body i puts on it at the inner station; needs a finished solve."""
     b = sys.bodies[i]
@@ -103,7 +102,7 @@ def reaction(sys: Any, work: Any, i: int) -> tuple[float, float, float]:
     return fx, fy, moment
 
 
-@compiled
+@inner
 def derivatives(
     sys: Any, work: Any, t: float, y: np.ndarray, dy: np.ndarray, drag: float, pull: float
 ) -> int:
@@ -135,7 +134,7 @@ def constraint_errors(sys: Any, work: Any, t: float, q: np.ndarray, v: np.ndarra
     return position, velocity
 
 
-@compiled
+@inner
 def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tolerance: float) -> int:
     """Move q, then v, onto the constraints, by the least change in the metric of the mass matrix.
 
@@ -175,7 +174,7 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
     return taken
 
 
-@compiled
+@part
 def _correct(sys: Any, work: Any, q: np.ndarray, step: np.ndarray) -> int:
     """Solve with no forces but those of the constraints."""
     clear_forces(work.frames, work.rows)
@@ -215,15 +214,3 @@ def energies(sys: Any, work: Any, q: np.ndarray, v: np.ndarray, z: np.ndarray) -
         stretch = work.lengths[spring.pathway].value - spring.rest
         elastic += 0.5 * spring.k * stretch * stretch
     return kinetic, potential, elastic
-
-
-@compiled
-def weighted_norm(
-    error: np.ndarray, y0: np.ndarray, y1: np.ndarray, rtol: float, atol: float, n: int
-) -> float:
-    """Root mean square of error / (atol + rtol max(|y0|, |y1|)) over the first n components."""
-    total = 0.0
-    for k in range(n):
-        scaled = error[k] / (atol + rtol * max(abs(y0[k]), abs(y1[k])))
-        total += scaled * scaled
-    return sqrt(total / n)

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled, compiled_sums
+from fmbd.planar.compile import part, part_sums
 from fmbd.planar.pathways import put_force, put_wrench
 
 
-@compiled
+@part
 def clear_forces(frames: Any, rows: Any) -> None:
     """Start the sums of wrenches and row forces at zero."""
     for i in range(frames.size):
@@ -24,7 +24,7 @@ def clear_forces(frames: Any, rows: Any) -> None:
         rows[r].g = 0.0
 
 
-@compiled
+@part
 def applied_forces(sys: Any, work: Any, z: np.ndarray, dz: np.ndarray) -> tuple[float, float]:
     """Add springs, motors and loads to the wrenches; fill dz, the rates of the first-order states.
 
@@ -72,7 +72,7 @@ def applied_forces(sys: Any, work: Any, z: np.ndarray, dz: np.ndarray) -> tuple[
     return dissipated, power
 
 
-@compiled
+@part
 def _motor_torque(motor: Any, command: float, rate: float, z: np.ndarray, dz: np.ndarray) -> float:
     if motor.electric == 0:
         return command
@@ -83,7 +83,7 @@ def _motor_torque(motor: Any, command: float, rate: float, z: np.ndarray, dz: np
     return motor.Km * current
 
 
-@compiled
+@part
 def _control(
     control: Any, path: Any, compensation: float, signal: np.ndarray, z: np.ndarray, dz: np.ndarray
 ) -> float:
@@ -108,7 +108,7 @@ def _control(
     return given
 
 
-@compiled
+@part
 def _load(load: Any, station: Any, at: Any, frames: Any, rows: Any, signal: np.ndarray) -> float:
     """Force and moment at a station; returns their power."""
     fx = signal[load.fx, 0] if load.fx >= 0 else 0.0
@@ -121,7 +121,7 @@ def _load(load: Any, station: Any, at: Any, frames: Any, rows: Any, signal: np.n
     return fx * at.vx + fy * at.vy + moment * at.w
 
 
-@compiled
+@part
 def _distributed_load(load: Any, frame: Any, row: Any, signal: np.ndarray) -> float:
     """Uniform load on a stretch of a beam: int (1, x, S) dx = (length, moment, row); returns its power."""
     c, s = frame.c, frame.s
@@ -137,7 +137,7 @@ def _distributed_load(load: Any, frame: Any, row: Any, signal: np.ndarray) -> fl
     return fx * frame.vx + fy * frame.vy + moment * frame.w + qy * row.rate
 
 
-@compiled
+@part
 def body_forces(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> float:
     """Add gravity, the inertia forces at zero q'', stiffness and damping of the beams.
 
@@ -176,7 +176,7 @@ def body_forces(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> float:
     return dissipated
 
 
-@compiled_sums
+@part_sums
 def _modal_forces(
     b: Any,
     w: float,

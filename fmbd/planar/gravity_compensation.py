@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled
+from fmbd.planar.compile import inner, part
 from fmbd.planar.kinematics import kinematics
 from fmbd.planar.pathways import pathways
 from fmbd.planar.recursion import joint_direction
 
 
-@compiled
+@inner
 def compensate_gravity(sys: Any, work: Any, q: np.ndarray) -> None:
     """Fill work.compensation (motors,) with joint torques; overwrites the kinematics in `work`."""
     for k in range(sys.nq):
@@ -51,7 +51,7 @@ def compensate_gravity(sys: Any, work: Any, q: np.ndarray) -> None:
         work.drives[m].compensation = -work.normal[m, n]
 
 
-@compiled
+@part
 def _add_pathway(
     path: Any, terms: Any, geometry: Any, stations: Any, points: Any, wrench: np.ndarray
 ) -> None:
@@ -71,7 +71,7 @@ def _add_pathway(
             wrench[body, 2] += term.coefficient * (g.mb if end == 0 else g.ma)
 
 
-@compiled
+@part
 def _project(bodies: Any, frames: Any, wrench: np.ndarray, out: np.ndarray) -> None:
     """Generalised forces on the joint coordinates (rotors left out) from the wrenches on all bodies."""
     row = 0
@@ -91,7 +91,7 @@ def _project(bodies: Any, frames: Any, wrench: np.ndarray, out: np.ndarray) -> N
                 row += 1
 
 
-@compiled
+@part
 def _least_squares(A: np.ndarray, n: int, normal: np.ndarray) -> None:
     """Solve A[:, :n] x = A[:, n] by normal equations; x is left in normal[:, n], 0 for dependent columns."""
     for r in range(n):

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled, compiled_sums
+from fmbd.planar.compile import inner, part, part_sums
 
 
-@compiled
+@inner
 def kinematics(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> None:
     """Fill the frames of all bodies and stations from the coordinates q and rates v, both (nq,)."""
     for i in range(sys.bodies.size):
@@ -30,7 +30,7 @@ def kinematics(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> None:
             _station(sys.stations[k], work.points[k], work.frames[i], work.rows)
 
 
-@compiled_sums
+@part_sums
 def _elastic_rows(b: Any, R: np.ndarray, q: np.ndarray, v: np.ndarray, rows: Any) -> None:
     """Rows times modal coordinates, R eta and R eta', of body b."""
     for r in range(b.nrow):
@@ -44,41 +44,43 @@ def _elastic_rows(b: Any, R: np.ndarray, q: np.ndarray, v: np.ndarray, rows: Any
         rows[b.row0 + r].rate = rate
 
 
-@compiled
+@part
 def _joint(
     b: Any, inner: Any, outer: Any, frame: Any, rows: Any, signal: np.ndarray, q: np.ndarray, v: np.ndarray
 ) -> None:
     """Frame of a body from the station that holds it and the coordinates of its joint."""
-    jx, dx, ddx = _coordinate(b.coordinate[0], b.driver[0], q, v, signal)
-    jy, dy, ddy = _coordinate(b.coordinate[1], b.driver[1], q, v, signal)
-    ja, da, dda = _coordinate(b.coordinate[2], b.driver[2], q, v, signal)
     sign = b.sign
+    ja, da, dda = _coordinate(b.coordinate[2], b.driver[2], q, v, signal)
     angle = outer.angle + sign * ja
     w = outer.w + sign * da
     bw = outer.bw + sign * dda
-    # the joint's axes turn with its first point: the outer station, or the inner one of a reversed joint
-    forward = sign > 0.0
-    first = outer.angle if forward else angle
-    w1 = outer.w if forward else w
-    bw1 = outer.bw if forward else bw
-    c1, s1 = cos(first), sin(first)
-    jc = b.axis_c * c1 - b.axis_s * s1
-    js = b.axis_c * s1 + b.axis_s * c1
-    ux, uy = jc * jx - js * jy, js * jx + jc * jy
-    rx, ry = jc * dx - js * dy, js * dx + jc * dy
-    ax, ay = jc * ddx - js * ddy, js * ddx + jc * ddy
-    frame.jc, frame.js, frame.ux, frame.uy = jc, js, ux, uy
-    px = outer.x + sign * ux
-    py = outer.y + sign * uy
-    vx = outer.vx + sign * (rx - w1 * uy)
-    vy = outer.vy + sign * (ry + w1 * ux)
-    bx = outer.bx + sign * (ax - bw1 * uy - w1 * w1 * ux - 2.0 * w1 * ry)
-    by = outer.by + sign * (ay + bw1 * ux - w1 * w1 * uy + 2.0 * w1 * rx)
+    px, py, vx, vy, bx, by = outer.x, outer.y, outer.vx, outer.vy, outer.bx, outer.by
+    if b.sliding == 1:
+        jx, dx, ddx = _coordinate(b.coordinate[0], b.driver[0], q, v, signal)
+        jy, dy, ddy = _coordinate(b.coordinate[1], b.driver[1], q, v, signal)
+        # the joint's axes turn with its first point: the outer station, or the inner one of a reversed joint
+        forward = sign > 0.0
+        first = outer.angle if forward else angle
+        w1 = outer.w if forward else w
+        bw1 = outer.bw if forward else bw
+        c1, s1 = cos(first), sin(first)
+        jc = b.axis_c * c1 - b.axis_s * s1
+        js = b.axis_c * s1 + b.axis_s * c1
+        ux, uy = jc * jx - js * jy, js * jx + jc * jy
+        rx, ry = jc * dx - js * dy, js * dx + jc * dy
+        ax, ay = jc * ddx - js * ddy, js * ddx + jc * ddy
+        frame.jc, frame.js, frame.ux, frame.uy = jc, js, ux, uy
+        px += sign * ux
+        py += sign * uy
+        vx += sign * (rx - w1 * uy)
+        vy += sign * (ry + w1 * ux)
+        bx += sign * (ax - bw1 * uy - w1 * w1 * ux - 2.0 * w1 * ry)
+        by += sign * (ay + bw1 * ux - w1 * w1 * uy + 2.0 * w1 * rx)
     frame.px, frame.py = px, py
     _frame_from_station(inner, rows, frame, angle, w, bw, vx, vy, bx, by)
 
 
-@compiled
+@part
 def _coordinate(
     index: int, driver: int, q: np.ndarray, v: np.ndarray, signal: np.ndarray
 ) -> tuple[float, float, float]:
@@ -90,7 +92,7 @@ def _coordinate(
     return 0.0, 0.0, 0.0
 
 
-@compiled
+@part
 def _frame_from_station(
     inner: Any,
     rows: Any,
@@ -119,7 +121,7 @@ def _frame_from_station(
     frame.by = by - bw * rx + w * w * ry + 2.0 * w * rate * s
 
 
-@compiled
+@part
 def _deformation(station: Any, rows: Any) -> tuple[float, float, float, float]:
     """Deflection, its rate, slope, its rate, of a station on a beam; zeros on a rigid body."""
     deflection, rate, slope, slope_rate = 0.0, 0.0, 0.0, 0.0
@@ -132,7 +134,7 @@ def _deformation(station: Any, rows: Any) -> tuple[float, float, float, float]:
     return deflection, rate, slope, slope_rate
 
 
-@compiled
+@part
 def _station(station: Any, out: Any, frame: Any, rows: Any) -> None:
     """A station from the frame of its body."""
     deflection, rate, slope, slope_rate = _deformation(station, rows)

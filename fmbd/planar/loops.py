@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled
+from fmbd.planar.compile import part
 
-# A pivot this small against the diagonal it came from is round-off.
+# A pivot this small against the self_term it came from is round-off.
 DEPENDENT = 1e-11
 
 
-@compiled
+@part
 def constraint_columns(
     path: Any,
     terms: Any,
@@ -39,7 +39,7 @@ def constraint_columns(
             _column(slot, stations[term.a], points[term.a], frames, slot_y, -f * g.nx, -f * g.ny, f * g.ma)
 
 
-@compiled
+@part
 def _column(
     slot: Any, station: Any, at: Any, frames: Any, slot_y: np.ndarray, fx: float, fy: float, moment: float
 ) -> None:
@@ -54,7 +54,7 @@ def _column(
         slot_y[slot.row0 + station.row_s - slot.first_row] += moment
 
 
-@compiled
+@part
 def close_loops(
     f: Any,
     on_body: bool,
@@ -70,12 +70,12 @@ def close_loops(
     for c in range(closed):
         s = slots[slot0 + c]
         s.rhs += reactions[s.constraint].target
-        s.diagonal = block[block0 + c * n + c]
+        s.self_term = block[block0 + c * n + c]
     for c in range(closed):
         s = slots[slot0 + c]
         row = block0 + c * n
         pivot = block[row + c]
-        s.pivot = pivot if pivot > DEPENDENT * s.diagonal else 0.0
+        s.pivot = pivot if pivot > DEPENDENT * s.self_term else 0.0
         if s.pivot == 0.0:
             continue
         if on_body:
@@ -96,7 +96,7 @@ def close_loops(
                 block[block0 + m * n + j] -= ratio * block[row + j]
 
 
-@compiled
+@part
 def open_loops(
     slots: Any,
     block: np.ndarray,
@@ -121,7 +121,7 @@ def open_loops(
         reactions[s.constraint].multiplier = value
 
 
-@compiled
+@part
 def add_rank_one(f: Any, weight: float, x: float, y: float, z: float) -> None:
     """H += weight (x, y, z)^T (x, y, z)."""
     f.Hxx += weight * x * x
@@ -132,7 +132,7 @@ def add_rank_one(f: Any, weight: float, x: float, y: float, z: float) -> None:
     f.Hzz += weight * z * z
 
 
-@compiled
+@part
 def hand_down(b: Any, slots: Any, block: np.ndarray, first: int, width: int, block0: int) -> None:
     """Add right-hand sides and Schur complement of the open slots to those of the parent or the ground."""
     n = b.nslot

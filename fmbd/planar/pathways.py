@@ -10,10 +10,10 @@ from math import cos, hypot, sin
 from typing import Any
 
 from fmbd.planar.arrays import ALONG_X, ANGLE, DISTANCE, WORLD_X, WORLD_Y
-from fmbd.planar.compile import compiled
+from fmbd.planar.compile import inner, part
 
 
-@compiled
+@inner
 def pathways(sys: Any, work: Any) -> None:
     """Value, rate and bias of all pathways from the frames of the stations."""
     for k in range(sys.pathways.size):
@@ -29,7 +29,7 @@ def pathways(sys: Any, work: Any) -> None:
         out.value, out.rate, out.bias = value, rate, bias
 
 
-@compiled
+@part
 def _term(term: Any, out: Any, a: Any, b: Any) -> tuple[float, float, float]:
     """Elementary length of one term, its rate and bias; its wrenches go to `out`."""
     out.nx, out.ny, out.ma, out.mb = 0.0, 0.0, 0.0, 0.0
@@ -68,7 +68,7 @@ def _term(term: Any, out: Any, a: Any, b: Any) -> tuple[float, float, float]:
     return length, speed, push
 
 
-@compiled
+@part
 def put_wrench(station: Any, at: Any, frames: Any, rows: Any, fx: float, fy: float, moment: float) -> None:
     """Add a force and a moment at a station to the applied wrench of its body and to its rows."""
     if station.body < 0:
@@ -83,7 +83,7 @@ def put_wrench(station: Any, at: Any, frames: Any, rows: Any, fx: float, fy: flo
         rows[station.row_s].g += moment
 
 
-@compiled
+@part
 def put_force(
     path: Any, terms: Any, geometry: Any, stations: Any, points: Any, frames: Any, rows: Any, force: float
 ) -> None:

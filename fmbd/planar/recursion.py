@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled
+from fmbd.planar.compile import part
 from fmbd.planar.condensation import (
     compliance,
     eliminate_modes,
@@ -30,7 +30,7 @@ from fmbd.planar.condensation import (
 from fmbd.planar.loops import add_rank_one, close_loops, constraint_columns, hand_down, open_loops
 
 
-@compiled
+@part
 def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
     """Fill qdd (nq,) and the multipliers from the forces and targets in `work`.
 
@@ -89,7 +89,7 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
     return -1
 
 
-@compiled
+@part
 def _start(bodies: Any, frames: Any, rows: Any, Hyy: np.ndarray, q: np.ndarray) -> None:
     """Each body's own inertia about its frame's origin, and the coupling of its rows."""
     for i in range(bodies.size):
@@ -112,7 +112,7 @@ def _start(bodies: Any, frames: Any, rows: Any, Hyy: np.ndarray, q: np.ndarray) 
         f.Hzz = inertia
 
 
-@compiled
+@part
 def _clear_slots(slots: Any, slot_y: np.ndarray, block: np.ndarray) -> None:
     for k in range(slots.size):
         slot = slots[k]
@@ -121,7 +121,7 @@ def _clear_slots(slots: Any, slot_y: np.ndarray, block: np.ndarray) -> None:
     block[:] = 0.0
 
 
-@compiled
+@part
 def _shift_to_joint(b: Any, f: Any, slots: Any) -> None:
     """Move H, g and the slots from the frame's origin to the inner station at r: a_frame = a - alpha x r."""
     rx, ry = f.px - f.x, f.py - f.y
@@ -134,7 +134,7 @@ def _shift_to_joint(b: Any, f: Any, slots: Any) -> None:
         s.gz += ry * s.gx - rx * s.gy
 
 
-@compiled
+@part
 def joint_direction(b: Any, f: Any, d: int) -> tuple[float, float, float]:
     """How the inner station moves per unit rate of the joint's x (0), y (1) or angle (2)."""
     if d == 0:
@@ -147,7 +147,7 @@ def joint_direction(b: Any, f: Any, d: int) -> tuple[float, float, float]:
     return -f.uy, f.ux, -1.0
 
 
-@compiled
+@part
 def _times(f: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
     """H (x, y, z)."""
     return (
@@ -157,7 +157,7 @@ def _times(f: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
     )
 
 
-@compiled
+@part
 def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
     """Deflate H, g and the open slots along each free direction; False if one has no inertia."""
     least = 1e-14 * (f.Hxx + f.Hyy + f.Hzz)
@@ -190,7 +190,7 @@ def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
     return True
 
 
-@compiled
+@part
 def _load_parent(
     b: Any,
     f: Any,
@@ -242,7 +242,7 @@ def _load_parent(
             slot_y[slots[s.parent].row0 + local] += cx * s.gx + cy * s.gy + cz * s.gz
 
 
-@compiled
+@part
 def _row_motion(f: Any, p: Any, at: Any, turn: int) -> tuple[float, float, float]:
     """Motion at the joint of body f of a unit displacement (0) or slope (1) of the station `at` of its parent p."""
     if turn == 0:
@@ -250,7 +250,7 @@ def _row_motion(f: Any, p: Any, at: Any, turn: int) -> tuple[float, float, float
     return -(f.py - at.y), f.px - at.x, 1.0
 
 
-@compiled
+@part
 def outer_acceleration(f: Any, p: Any, outer: Any, at: Any, rows: Any) -> tuple[float, float, float]:
     """Linear part of the acceleration that the parent p gives to the joint of body f, through its station `at`."""
     ax = p.ax - (f.py - p.y) * p.aw
@@ -266,7 +266,7 @@ def outer_acceleration(f: Any, p: Any, outer: Any, at: Any, rows: Any) -> tuple[
     return ax, ay, aw
 
 
-@compiled
+@part
 def _put_back_joint(
     b: Any, f: Any, slots: Any, reactions: Any, ax: float, ay: float, aw: float, qdd: np.ndarray
 ) -> tuple[float, float, float]:
@@ -286,7 +286,7 @@ def _put_back_joint(
     return ax, ay, aw
 
 
-@compiled
+@part
 def _let_go_of_rows(f: Any, inner: Any, rows: Any) -> None:
     """The frame's own acceleration where a row of the body holds it: a - G y (see hold_by_rows)."""
     if inner.row_w >= 0:

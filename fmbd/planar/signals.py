@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled
+from fmbd.planar.compile import compiled, part
 
 CONSTANT, STEP, RAMP, SMOOTH_STEP, SINE, PULSE, EXPRESSION, TABLE = range(8)
 OPERATIONS = (
@@ -104,7 +104,7 @@ def evaluate_signals(
             _look_up(table, g.start, g.count, t, out)
 
 
-@compiled
+@part
 def _transition(t: float, p: np.ndarray, linear: bool, out: np.ndarray) -> None:
     """From p[2] to p[3] while t goes from p[0] to p[1]; linear, or the quintic with zero rate and curvature ends."""
     span = p[1] - p[0]
@@ -123,7 +123,7 @@ def _transition(t: float, p: np.ndarray, linear: bool, out: np.ndarray) -> None:
         out[2] = rise / span**2 * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)
 
 
-@compiled
+@part
 def _look_up(table: np.ndarray, start: int, count: int, t: float, out: np.ndarray) -> None:
     """Piecewise cubic through knots; held constant outside."""
     last = start + count - 1
@@ -147,7 +147,7 @@ def _look_up(table: np.ndarray, start: int, count: int, t: float, out: np.ndarra
     out[2] = 2.0 * c2 + 6.0 * x * c3
 
 
-@compiled
+@part
 def _run(program: np.ndarray, start: int, count: int, t: float, stack: np.ndarray) -> None:
     """Evaluate a postfix program on (value, rate, second derivative) triples; the result is stack[0]."""
     top = -1
@@ -165,12 +165,12 @@ def _run(program: np.ndarray, start: int, count: int, t: float, stack: np.ndarra
             _unary(op, stack[top])
 
 
-@compiled
+@part
 def _is_binary(op: int) -> bool:
     return _ADD <= op <= _POW or op == _ATAN2 or _MIN <= op <= _HYPOT or op == _MOD
 
 
-@compiled
+@part
 def _binary(op: int, a: np.ndarray, b: np.ndarray) -> None:
     """a <- a op b, with the rules of differentiation."""
     a0, a1, a2, b0, b1, b2 = a[0], a[1], a[2], b[0], b[1], b[2]
@@ -209,7 +209,7 @@ def _binary(op: int, a: np.ndarray, b: np.ndarray) -> None:
     a[0], a[1], a[2] = v, d, c
 
 
-@compiled
+@part
 def _power(a0: float, a1: float, a2: float, b0: float, b1: float, b2: float) -> tuple[float, float, float]:
     if b1 == 0.0 and b2 == 0.0:
         if b0 == 0.0:
@@ -237,7 +237,7 @@ def _power(a0: float, a1: float, a2: float, b0: float, b1: float, b2: float) -> 
     return v, v * e1, v * (e1 * e1 + e2)
 
 
-@compiled
+@part
 def _unary(op: int, a: np.ndarray) -> None:
     """a <- op(a): f, f', f'' of the function, then the chain rule."""
     x = a[0]

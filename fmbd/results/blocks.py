@@ -60,12 +60,10 @@ def reserve(file: h5py.File, nbytes: int) -> None:
     """
     if not hasattr(os, "posix_fallocate"):
         return
-    handle, end = file.id.get_vfd_handle(), file.id.get_filesize()
     try:
-        os.posix_fallocate(handle, end, nbytes + HEADROOM)
+        os.posix_fallocate(file.id.get_vfd_handle(), file.id.get_filesize(), nbytes + HEADROOM)
     except OSError as error:
         if error.errno in DISK_FULL:
-            os.ftruncate(handle, min(os.fstat(handle).st_size, end + HEADROOM))
             raise
 
 

@@ -106,7 +106,9 @@ class Archive:
 
     @cached_property
     def frames(self) -> tuple[Array, NDArray[np.float32]]:
-        """Times [s], shape (k,), and points [m], shape (k, npoints, 3), of the drawing, which must exist."""
+        """Times [s], shape (k,), and points [m], shape (k, npoints, 3), of the drawing."""
+        if self.drawing is None:
+            raise ArchiveError(f"{self.path}: this run was archived without a drawing")
         return self._read(vtkhdf.read_frames)
 
     def _read(self, part: Callable[[h5py.File], T]) -> T:

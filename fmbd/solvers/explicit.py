@@ -5,6 +5,9 @@
     F     rows of the interpolant of the last step (3 + rows of d, ny)
     err   error norm: root mean square of the estimate over atol + rtol |y|; a step is accepted if err <= 1
 After Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4 to II.6.
+
+The method says at which point it wants f next (`_point`), `advance` evaluates the equations there, the method uses the
+value (`_use`): so the mechanics are called from one place, whatever the method is about to do (`PHASE`).
 """
 
 from math import sqrt
@@ -12,12 +15,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fmbd.planar.compile import compiled
-from fmbd.planar.equations import derivatives, project, weighted_norm
+from fmbd.planar.compile import compiled, inner, part
+from fmbd.planar.equations import derivatives, project
 
 RUNNING, NO_INERTIA, OFF_CONSTRAINTS, STEP_TOO_SMALL = range(4)
-# indices of Memory.clock and Memory.count
-TIME, STEP, START, LAST_STEP = range(4)
+#: What the value of f will serve for.
+READY, AT_START, EULER, STAGES, CLOSING, DENSE = range(6)
+#: Indices of Memory.clock [s]: now, wanted step, this step, its end, last instant before the next breakpoint, the point
+#: at which f is wanted, start and length of the last accepted step.
+NOW, WANTED, STEP, END, BEFORE_BREAK, POINT, LAST_START, LAST_STEP, LAST_ERROR = range(9)
+#: Indices of Memory.count.
 (
     ACCEPTED,
     REJECTED,
@@ -25,10 +32,13 @@ TIME, STEP, START, LAST_STEP = range(4)
     PROJECTIONS,
     BREAK,
     FRESH,
-    DENSE,
+    INTERPOLANT,
     BODY,
     AFTER_REJECTION,
-) = range(9)
+    PHASE,
+    ROW,
+) = range(11)
+_SHORTEST = 1e-13
 
 
 class Options(NamedTuple):
@@ -62,9 +72,9 @@ def memory(tableau: Any, y0: np.ndarray, nq: int) -> Memory:
     ny = y0.size
     k = np.zeros((tableau.c.size, ny))
     F = np.zeros((3 + tableau.d.shape[0], ny))
-    count = np.zeros(9, np.int64)
-    count[FRESH] = 1
-    return Memory(y0.copy(), y0.copy(), np.zeros(ny), np.zeros(ny), k, F, np.zeros(nq), np.zeros(4), count)
+    count = np.zeros(11, np.int64)
+    count[FRESH], count[PHASE] = 1, READY
+    return Memory(y0.copy(), y0.copy(), y0.copy(), np.zeros(ny), k, F, np.zeros(nq), np.zeros(9), count)
 
 
 @compiled
@@ -83,182 +93,259 @@ def advance(
 
     The last entry of `breaks` is the end of the run. Returns how many rows were filled, and a status.
     """
+    count = mem.count
+    filled, tried = 0, 0
+    while True:
+        if count[PHASE] == READY:
+            filled = _write(tableau, mem, times, out, filled)
+            if filled == times.size:
+                return filled, RUNNING
+        if count[PHASE] == READY:
+            if tried == attempts:
+                return filled, RUNNING
+            tried += 1
+            _begin(tableau, mem, breaks, options)
+        _point(tableau, mem)
+        if count[PHASE] == CLOSING and options.projecting:
+            taken = project(sys, work, mem.clock[POINT], mem.trial, mem.correction, options.closed)
+            if taken < 0:
+                # too far off the constraints for Newton: a shorter step comes closer
+                if not _reject(mem, 0.25, options):
+                    return filled, OFF_CONSTRAINTS
+                continue
+            count[PROJECTIONS] += taken
+        count[EVALUATIONS] += 1
+        row = mem.k[count[ROW]]
+        failed = derivatives(sys, work, mem.clock[POINT], mem.trial, row, options.drag, options.pull)
+        if failed >= 0:
+            count[BODY] = failed
+            return filled, NO_INERTIA
+        if not _use(tableau, mem, options):
+            return filled, STEP_TOO_SMALL
+
+
+@inner
+def _write(tableau: Any, mem: Any, times: np.ndarray, out: np.ndarray, filled: int) -> int:
+    """Write the output times that have been reached; ask for the interpolant (phase DENSE) if it is missing."""
     clock, count = mem.clock, mem.count
-    filled = 0
-    tried = 0
-    while filled < times.size:
-        if times[filled] <= clock[TIME]:
-            if times[filled] == clock[TIME]:
-                copy(mem.y, out[filled])
-            else:
-                if count[DENSE] == 0:
-                    failed = _prepare_dense(sys, work, tableau, mem, options)
-                    if failed >= 0:
-                        return filled, NO_INERTIA
-                interpolate(mem, times[filled], out[filled])
-            filled += 1
+    while filled < times.size and times[filled] <= clock[NOW]:
+        if times[filled] == clock[NOW]:
+            _copy(mem.y, out[filled])
+        elif count[INTERPOLANT] == 1:
+            interpolate(mem, times[filled], out[filled])
+        elif tableau.c.size > tableau.b.size + 1:
+            count[PHASE], count[ROW] = DENSE, tableau.b.size + 1
+            return filled
+        else:
+            _interpolant(tableau, mem)
             continue
-        if tried == attempts:
-            break
-        tried += 1
-        status = _step(sys, work, tableau, mem, breaks, options)
-        if status != RUNNING:
-            return filled, status
-    return filled, RUNNING
+        filled += 1
+    return filled
 
 
-@compiled
-def copy(source: np.ndarray, target: np.ndarray) -> None:
+@inner
+def _begin(tableau: Any, mem: Any, breaks: np.ndarray, options: Any) -> None:
+    """Start a step from mem.y; after a breakpoint f is evaluated anew, with the inputs that follow it."""
+    clock, count = mem.clock, mem.count
+    while breaks[count[BREAK]] <= clock[NOW]:
+        count[BREAK] += 1
+        count[FRESH] = 1
+    # inside a step the inputs are those before the next jump
+    clock[BEFORE_BREAK] = np.nextafter(breaks[count[BREAK]], -np.inf)
+    clock[END] = breaks[count[BREAK]]
+    if count[FRESH] == 1:
+        count[PHASE] = AT_START
+    else:
+        _copy(mem.k[tableau.b.size], mem.k[0])
+        _aim(mem, options)
+
+
+@part
+def _aim(mem: Any, options: Any) -> None:
+    """Choose this step's length, so that it lands on a breakpoint that is near."""
+    clock, count = mem.clock, mem.count
+    h = min(clock[WANTED], options.max_step)
+    # clock[END] is the breakpoint, as yet
+    left = clock[END] - clock[NOW]
+    clock[STEP] = left if 1.01 * h >= left else h
+    count[PHASE], count[ROW] = STAGES, 1
+
+
+@inner
+def _point(tableau: Any, mem: Any) -> None:
+    """Put the state at which f is wanted into mem.trial, its time into clock[POINT]; its row is count[ROW]."""
+    clock, count = mem.clock, mem.count
+    phase, row = count[PHASE], count[ROW]
+    if phase == AT_START:
+        _copy(mem.y, mem.trial)
+        count[ROW] = 0
+        clock[POINT] = clock[NOW]
+    elif phase == EULER:
+        for i in range(mem.y.size):
+            mem.trial[i] = mem.y[i] + clock[STEP] * mem.k[0, i]
+        count[ROW] = 1
+        clock[POINT] = min(clock[NOW] + clock[STEP], clock[BEFORE_BREAK])
+    elif phase == STAGES:
+        _combine(tableau.a[row], mem.k, row, clock[STEP], mem.y, mem.trial)
+        clock[POINT] = min(clock[NOW] + tableau.c[row] * clock[STEP], clock[BEFORE_BREAK])
+    elif phase == CLOSING:
+        count[ROW] = tableau.b.size
+        clock[POINT] = min(clock[NOW] + clock[STEP], clock[BEFORE_BREAK])
+    else:
+        _combine(tableau.a[row], mem.k, row, clock[LAST_STEP], mem.y_old, mem.trial)
+        clock[POINT] = min(clock[LAST_START] + tableau.c[row] * clock[LAST_STEP], clock[BEFORE_BREAK])
+
+
+@inner
+def _use(tableau: Any, mem: Any, options: Any) -> bool:
+    """Go on with the value of f in k[count[ROW]]; False if the step has become too small."""
+    clock, count = mem.clock, mem.count
+    phase = count[PHASE]
+    s = tableau.b.size
+    if phase == AT_START:
+        count[FRESH] = 0
+        if clock[WANTED] > 0.0:
+            _aim(mem, options)
+        else:
+            clock[STEP] = _euler_step(mem, options)
+            count[PHASE] = EULER
+    elif phase == EULER:
+        clock[WANTED] = _first_step(tableau, mem, options)
+        _aim(mem, options)
+    elif phase == STAGES:
+        count[ROW] += 1
+        if count[ROW] == s:
+            return _judge(tableau, mem, options)
+    elif phase == CLOSING:
+        clock[LAST_START], clock[LAST_STEP] = clock[NOW], clock[STEP]
+        landed = clock[STEP] == clock[END] - clock[NOW]
+        clock[NOW] = clock[END] if landed else clock[NOW] + clock[STEP]
+        _copy(mem.y, mem.y_old)
+        _copy(mem.trial, mem.y)
+        count[ACCEPTED] += 1
+        count[AFTER_REJECTION] = 0
+        count[INTERPOLANT] = 0
+        count[PHASE] = READY
+    else:
+        count[ROW] += 1
+        if count[ROW] == tableau.c.size:
+            _interpolant(tableau, mem)
+            count[PHASE] = READY
+    return True
+
+
+@part
+def _judge(tableau: Any, mem: Any, options: Any) -> bool:
+    """All stages are there: accept or reject the step, and choose the next (proportional-integral control)."""
+    clock, count = mem.clock, mem.count
+    h = clock[STEP]
+    _combine(tableau.b, mem.k, tableau.b.size, h, mem.y, mem.trial)
+    err = _error(tableau, mem, h, options)
+    if not err <= 1.0:
+        shrink = 0.9 * err ** (-1.0 / tableau.order) if err < 1e300 else 0.1
+        return _reject(mem, max(0.1, shrink), options)
+    err = max(err, 1e-10)
+    memory_exponent = 0.4 / tableau.order
+    grow = 0.9 * err ** (-0.7 / tableau.order) * max(clock[LAST_ERROR], 1e-4) ** memory_exponent
+    grow = min(6.0, max(0.2, grow))
+    clock[WANTED] = h * (min(1.0, grow) if count[AFTER_REJECTION] == 1 else grow)
+    clock[LAST_ERROR] = err
+    count[PHASE] = CLOSING
+    return True
+
+
+@part
+def _reject(mem: Any, factor: float, options: Any) -> bool:
+    """Try the step again, shorter by `factor`; False if that would be too short."""
+    clock, count = mem.clock, mem.count
+    count[REJECTED] += 1
+    count[AFTER_REJECTION] = 1
+    clock[WANTED] = factor * clock[STEP]
+    _aim(mem, options)
+    return clock[WANTED] > _SHORTEST * max(abs(clock[NOW]), 1e-3)
+
+
+@part
+def _copy(source: np.ndarray, target: np.ndarray) -> None:
     """target[:] = source, without the copy of the source that Numba would make first."""
     for i in range(source.size):
         target[i] = source[i]
 
 
-@compiled
-def _rate(sys: Any, work: Any, mem: Any, t: float, y: np.ndarray, out: np.ndarray, options: Any) -> bool:
-    """out = f(t, y); False if a joint has no inertia."""
-    mem.count[EVALUATIONS] += 1
-    failed = derivatives(sys, work, t, y, out, options.drag, options.pull)
-    if failed >= 0:
-        mem.count[BODY] = failed
-        return False
-    return True
-
-
-@compiled
-def _step(sys: Any, work: Any, tableau: Any, mem: Any, breaks: np.ndarray, options: Any) -> int:
-    """One attempt; on success mem.y, the clock and k[s] are those of the step's end."""
-    clock, count, k = mem.clock, mem.count, mem.k
-    s = tableau.b.size
-    t = clock[TIME]
-    while breaks[count[BREAK]] <= t:
-        count[BREAK] += 1
-        count[FRESH] = 1
-    end = breaks[count[BREAK]]
-    # inside a step the inputs are those before the next jump
-    before_end = np.nextafter(end, -np.inf)
-    if count[FRESH] == 1:
-        if not _rate(sys, work, mem, t, mem.y, k[0], options):
-            return NO_INERTIA
-        count[FRESH] = 0
-        if clock[STEP] == 0.0:
-            clock[STEP] = _first_step(sys, work, tableau, mem, options)
-    elif count[AFTER_REJECTION] == 0:
-        copy(k[s], k[0])
-    h = min(clock[STEP], options.max_step)
-    landing = t + 1.01 * h >= end
-    if landing:
-        h = end - t
-    for j in range(1, s):
-        _combine(tableau.a[j], k, j, h, mem.y, mem.trial)
-        if not _rate(sys, work, mem, min(t + tableau.c[j] * h, before_end), mem.trial, k[j], options):
-            return NO_INERTIA
-    _combine(tableau.b, k, s, h, mem.y, mem.trial)
-    err = _error(tableau, mem, h, options)
-    if not err <= 1.0:
-        count[REJECTED] += 1
-        count[AFTER_REJECTION] = 1
-        shrink = 0.9 * err ** (-1.0 / tableau.order) if err < 1e300 else 0.1
-        clock[STEP] = h * max(0.1, shrink)
-        if clock[STEP] < 1e-13 * max(abs(t), 1e-3):
-            return STEP_TOO_SMALL
-        return RUNNING
-    new_time = end if landing else t + h
-    before = min(new_time, before_end)
-    if options.projecting:
-        taken = project(sys, work, before, mem.trial, mem.correction, options.closed)
-        if taken < 0:
-            # too far off the constraints for Newton: a shorter step comes closer
-            count[REJECTED] += 1
-            count[AFTER_REJECTION] = 1
-            clock[STEP] = 0.25 * h
-            return OFF_CONSTRAINTS if clock[STEP] < 1e-13 * max(abs(t), 1e-3) else RUNNING
-        count[PROJECTIONS] += taken
-    if not _rate(sys, work, mem, before, mem.trial, k[s], options):
-        return NO_INERTIA
-    grow = min(10.0, 0.9 * err ** (-1.0 / tableau.order)) if err > 0.0 else 10.0
-    clock[STEP] = h * (min(1.0, grow) if count[AFTER_REJECTION] == 1 else max(0.2, grow))
-    count[AFTER_REJECTION] = 0
-    count[ACCEPTED] += 1
-    count[DENSE] = 0
-    clock[START], clock[LAST_STEP], clock[TIME] = t, h, new_time
-    copy(mem.y, mem.y_old)
-    copy(mem.trial, mem.y)
-    return RUNNING
-
-
-@compiled
+@part
 def _combine(weights: np.ndarray, k: np.ndarray, n: int, h: float, y: np.ndarray, out: np.ndarray) -> None:
     """out = y + h sum_j weights[j] k[j]."""
     for i in range(y.size):
-        out[i] = 0.0
+        out[i] = y[i]
     for j in range(n):
         if weights[j] != 0.0:
+            weight = h * weights[j]
             for i in range(y.size):
-                out[i] += weights[j] * k[j, i]
-    for i in range(y.size):
-        out[i] = y[i] + h * out[i]
+                out[i] += weight * k[j, i]
 
 
-@compiled
+@part
 def _error(tableau: Any, mem: Any, h: float, options: Any) -> float:
     """Error norm of the step from mem.y to mem.trial; DOP853 blends its estimates of order 5 and 3."""
-    n = mem.y.size - 2
-    mem.error[:] = 0.0
     _weigh(tableau.errors[0], mem.k, mem.error)
-    high = h * weighted_norm(mem.error, mem.y, mem.trial, options.rtol, options.atol, n)
+    high = h * _norm(mem.error, mem.y, mem.trial, options)
     if tableau.errors.shape[0] == 1 or high == 0.0:
         return high
-    mem.error[:] = 0.0
     _weigh(tableau.errors[1], mem.k, mem.error)
-    low = h * weighted_norm(mem.error, mem.y, mem.trial, options.rtol, options.atol, n)
+    low = h * _norm(mem.error, mem.y, mem.trial, options)
     return high * high / sqrt(high * high + 0.01 * low * low)
 
 
-@compiled
+@part
+def _norm(error: np.ndarray, y0: np.ndarray, y1: np.ndarray, options: Any) -> float:
+    """Root mean square of error / (atol + rtol max(|y0|, |y1|)); the two energies at the end do not count."""
+    n = error.size - 2
+    total = 0.0
+    for k in range(n):
+        scaled = error[k] / (options.atol + options.rtol * max(abs(y0[k]), abs(y1[k])))
+        total += scaled * scaled
+    return sqrt(total / n)
+
+
+@part
 def _weigh(weights: np.ndarray, k: np.ndarray, out: np.ndarray) -> None:
-    """out += sum_j weights[j] k[j]."""
+    """out = sum_j weights[j] k[j]."""
+    for i in range(out.size):
+        out[i] = 0.0
     for j in range(weights.size):
         if weights[j] != 0.0:
             for i in range(out.size):
                 out[i] += weights[j] * k[j, i]
 
 
-@compiled
-def _first_step(sys: Any, work: Any, tableau: Any, mem: Any, options: Any) -> float:
-    """Hairer's guess of the first step from the size of f and of its change over an Euler step."""
-    n = mem.y.size - 2
-    t = mem.clock[TIME]
-    copy(mem.y, mem.error)
-    d0 = weighted_norm(mem.error, mem.y, mem.y, options.rtol, options.atol, n)
-    copy(mem.k[0], mem.error)
-    d1 = weighted_norm(mem.error, mem.y, mem.y, options.rtol, options.atol, n)
-    h0 = 1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1
-    h0 = min(h0, options.max_step)
-    for i in range(mem.y.size):
-        mem.trial[i] = mem.y[i] + h0 * mem.k[0, i]
-    if not _rate(sys, work, mem, t + h0, mem.trial, mem.k[1], options):
-        return h0
+@part
+def _euler_step(mem: Any, options: Any) -> float:
+    """Length of the explicit Euler step that feels out the first step: a hundredth of |y| / |f|."""
+    d0 = _norm(mem.y, mem.y, mem.y, options)
+    d1 = _norm(mem.k[0], mem.y, mem.y, options)
+    h = 1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1
+    return min(h, min(options.max_step, mem.clock[END] - mem.clock[NOW]))
+
+
+@part
+def _first_step(tableau: Any, mem: Any, options: Any) -> float:
+    """Hairer's guess of the first step from the size of f and of its change over the Euler step."""
+    h0 = mem.clock[STEP]
+    d1 = _norm(mem.k[0], mem.y, mem.y, options)
     for i in range(mem.y.size):
         mem.error[i] = mem.k[1, i] - mem.k[0, i]
-    d2 = weighted_norm(mem.error, mem.y, mem.y, options.rtol, options.atol, n) / h0
+    d2 = _norm(mem.error, mem.y, mem.y, options) / h0
     steepest = max(d1, d2)
     h1 = max(1e-6, 1e-3 * h0) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / tableau.order)
     return min(100.0 * h0, h1)
 
 
-@compiled
-def _prepare_dense(sys: Any, work: Any, tableau: Any, mem: Any, options: Any) -> int:
-    """Rows F of the interpolant over the last step; returns -1 or a body without inertia."""
-    s = tableau.b.size
+@part
+def _interpolant(tableau: Any, mem: Any) -> None:
+    """Rows F of the interpolant over the last step."""
     k, F = mem.k, mem.F
     h = mem.clock[LAST_STEP]
-    end = np.nextafter(mem.clock[TIME], -np.inf)
-    for j in range(s + 1, tableau.c.size):
-        _combine(tableau.a[j], k, j, h, mem.y_old, mem.trial)
-        t = min(mem.clock[START] + tableau.c[j] * h, end)
-        if not _rate(sys, work, mem, t, mem.trial, k[j], options):
-            return mem.count[BODY]
+    s = tableau.b.size
     for i in range(mem.y.size):
         rise = mem.y[i] - mem.y_old[i]
         F[0, i] = rise
@@ -266,18 +353,16 @@ def _prepare_dense(sys: Any, work: Any, tableau: Any, mem: Any, options: Any) ->
         F[2, i] = 2.0 * rise - h * (k[0, i] + k[s, i])
     for r in range(tableau.d.shape[0]):
         row = F[3 + r]
-        row[:] = 0.0
         _weigh(tableau.d[r], k, row)
         for i in range(row.size):
             row[i] *= h
-    mem.count[DENSE] = 1
-    return -1
+    mem.count[INTERPOLANT] = 1
 
 
-@compiled
+@part
 def interpolate(mem: Any, t: float, out: np.ndarray) -> None:
     """out = y(t) inside the last step."""
-    x = (t - mem.clock[START]) / mem.clock[LAST_STEP]
+    x = (t - mem.clock[LAST_START]) / mem.clock[LAST_STEP]
     rows = mem.F.shape[0]
     for i in range(out.size):
         value = 0.0

@@ -14,11 +14,11 @@ from fmbd.solvers.explicit import (
     BODY,
     EVALUATIONS,
     NO_INERTIA,
+    NOW,
     OFF_CONSTRAINTS,
     PROJECTIONS,
     REJECTED,
     RUNNING,
-    TIME,
     Memory,
     Options,
     advance,
@@ -67,7 +67,7 @@ class Statistics:
         """Copy the counters of the compiled loop."""
         self.steps, self.rejected_steps = int(mem.count[ACCEPTED]), int(mem.count[REJECTED])
         self.evaluations, self.projections = int(mem.count[EVALUATIONS]), int(mem.count[PROJECTIONS])
-        self.time_reached = float(mem.clock[TIME])
+        self.time_reached = float(mem.clock[NOW])
 
 
 def output_times(duration: float, interval: float) -> Array:
@@ -123,7 +123,7 @@ def integrate(
         out = np.zeros((chunk.size, y0.size))
         filled, status = 0, RUNNING
         while filled < chunk.size and status == RUNNING:
-            if mem.clock[TIME] >= end and chunk[filled] > mem.clock[TIME]:
+            if mem.clock[NOW] >= end and chunk[filled] > mem.clock[NOW]:
                 break
             done, status = advance(
                 planar, work, tableau, mem, breaks, options, chunk[filled:], out[filled:], ATTEMPTS
@@ -167,7 +167,8 @@ def _block(system: System, times: Array, y: Array, options: Options) -> Block:
     multipliers = np.zeros((times.size, nc))
     energy = np.zeros((times.size, 3))
     errors = np.zeros((times.size, 2))
-    sample(planar, system.work, times, y, options.drag, options.pull, qdd, multipliers, energy, errors)
+    dz = np.zeros(len(system.states))
+    sample(planar, system.work, times, y, options.drag, options.pull, qdd, multipliers, energy, errors, dz)
     kinetic, potential, elastic = energy.T
     dissipated, work = y[:, -2], y[:, -1]
     return Block(
@@ -191,7 +192,7 @@ def _block(system: System, times: Array, y: Array, options: Options) -> Block:
 
 def _reason(system: System, mem: Memory, status: int) -> str:
     """One line: what happened, when, and what to try."""
-    t = f"t = {mem.clock[TIME]:.6g} s"
+    t = f"t = {mem.clock[NOW]:.6g} s"
     if status == NO_INERTIA:
         link = system.tree.links[int(mem.count[BODY])]
         return f"at {t} joint {link.joint or link.motor} has no inertia to move: give body {link.name} a mass"

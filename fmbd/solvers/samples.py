@@ -20,11 +20,11 @@ def sample(
     multipliers: np.ndarray,
     energy: np.ndarray,
     errors: np.ndarray,
+    dz: np.ndarray,
 ) -> None:
     """Fill qdd (k, nq), multipliers (k, nc), energy (k, 3: kinetic potential elastic), errors (k, 2: max |Phi|, |Phi'|)
-    for the states y (k, ny) at `times` (k,)."""
+    for the states y (k, ny) at `times` (k,); dz (nz,) is scratch."""
     n = sys.nq
-    dz = np.zeros(y.shape[1] - 2 * n - 2)
     for k in range(times.size):
         q, v, z = y[k, :n], y[k, n : 2 * n], y[k, 2 * n : 2 * n + dz.size]
         accelerations(sys, work, times[k], q, v, z, dz, qdd[k], drag, pull)

@@ -1,4 +1,4 @@
-"""Springs, motors with their controllers, and loads as generalised forces, in plain NumPy (see system.matrices).
+"""Springs, motors with their controllers, and loads as generalised forces, for system.matrices.
 
 x, r    coordinates (q, t) and their rates (q', 1), shape (nq+1,)
 l, l'   value and rate of a pathway; row: its derivatives by x
@@ -16,7 +16,7 @@ Array = np.ndarray
 
 
 class Paths(NamedTuple):
-    """All pathways at a state: values (np,), rows (np, nq+1), rates (np,), and whether they are linear in q."""
+    """All pathways at a state, `linear` those that are linear in q; shapes (np,), rows (np, nq+1)."""
 
     values: Array
     rows: Array
@@ -45,10 +45,8 @@ def apply_springs(planar: Planar, paths: Paths, x: Array, r: Array) -> tuple[Arr
     return K, D, force @ rows + _without_time(K, x) + _without_time(D, r)
 
 
-def apply_motors(
-    planar: Planar, paths: Paths, r: Array, signals: Array, z: Array, online: Array
-) -> Motors:
-    """Forces of all motors; z (nz,): currents and integrals of errors, online (motors,): compensation torques."""
+def apply_motors(planar: Planar, paths: Paths, r: Array, signals: Array, z: Array, online: Array) -> Motors:
+    """Forces of all motors; z (nz,): currents and integrals; online (motors,): torques against gravity."""
     motors = planar.motors
     path, state, Km = motors["pathway"], motors["state"], motors["Km"]
     rows, inductive = paths.rows[path], state >= 0
@@ -89,7 +87,7 @@ def motor_input(planar: Planar, motor: Any, paths: Paths, signals: Array, z: Arr
 def apply_loads(
     planar: Planar, reference: Reference, bodies: Array, stations: Array, x: Array, signals: Array
 ) -> Array:
-    """Generalised force (nq+1,) of the loads, from the frames of bodies (nb, 3, d) and stations (ns, 3, d)."""
+    """Generalised force (nq+1,) of the loads, from the frames (n, 3, d) of bodies and stations."""
     f = np.zeros(x.size)
     for load in planar.loads:
         frame = stations[load["station"]]

@@ -69,7 +69,8 @@ def lower_bodies(out: Any, distributed: Sequence[dict[str, Any]]) -> dict[str, A
         rows.rows = [beam.s @ rows.psi, beam.p @ rows.psi]
         for point, k in points:
             x = part.points[point]
-            stations[k] = (i, x, 0.0, 0.0, rows.add(beam.shape(x)), rows.add(beam.slope(x)))
+            slope = rows.add(beam.slope(x)) if (link.name, point) in out.turning else -1
+            stations[k] = (i, x, 0.0, 0.0, rows.add(beam.shape(x)), slope)
         for point, mass in part.point_masses.items():
             if mass.inertia > 0.0:
                 row = rows.add(beam.slope(part.points[point]))
@@ -122,6 +123,8 @@ def _hold(out: Any, link: Any, body: Any, coordinate: dict[str, int]) -> None:
             body.driver[d] = out.signals.add(joint.driven[direction])
         elif direction in joint.coordinates:
             body.coordinate[d] = coordinate[f"{link.joint}.{direction}"]
+        if direction != "angle" and direction in joint.coordinates:
+            body.sliding = 1
 
 
 def _mark_coupled(bodies: Any, stations: Any) -> None:

@@ -1,8 +1,8 @@
 """Duals: a number with its gradient, in one array.
 
-The last axis has length d = 1 + nq + 1: the value, its derivatives by the coordinates q, its partial derivative by
-the time t. Sums of duals are sums of arrays. The functions are analytic: complex values (complex step) give one
-derivative more, exact to round-off.
+The last axis has length d = 1 + nq + 1: the value, its derivatives by the coordinates q, its partial
+derivative by the time t. Sums of duals are sums of arrays. The functions are analytic: complex values
+(complex step) give one more derivative, exact to round-off.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 
 x, r    coordinates (q, t) and their rates (q', 1), shape (..., nq+1)
 J       Jacobians of the bodies' frames by x, shape (..., nb, 3, nq+1)
-H, G    inertia of a body for the twist (vx, vy, w) of its frame, world axes, (..., nb, 3, 3), and the coupling
-        of the twist with the elastic rates, (..., nb, 3, nq+1)
+H, G    inertia of a body for the twist (vx, vy, w) of its frame, world axes, (..., nb, 3, 3), and the
+        coupling of the twist with the elastic rates, (..., nb, 3, nq+1)
 s, p, M, M_w   integrals of the shape functions (fmbd.beams.floating)
 
 T = sum 1/2 twist^T H twist + twist^T G q' + 1/2 q'^T M q',    twist = J r
@@ -45,14 +45,16 @@ class Inertia:
     def __init__(self, planar: Planar, beams: Mapping[int, FloatingBeam]) -> None:
         bodies = planar.bodies
         size = planar.nq + 1
-        self.elastic = np.zeros((bodies.size, size), bool)  #: which coordinates are a body's own elastic ones
+        self.elastic: dict[int, slice] = {}  #: elastic coordinates of each flexible body
         self.K = np.zeros((planar.nq, planar.nq))  #: stiffness of the beams, shape (nq, nq)
         self._rotary = np.array(bodies["J"])
+        self._owned = np.zeros((bodies.size, size))
         self._M, self._M_w = np.zeros((size, size)), np.zeros((size, size))
         s, self._p = np.zeros((bodies.size, size)), np.zeros((bodies.size, size))
         for i, beam in beams.items():
             own = slice(bodies["first_q"][i], bodies["first_q"][i] + bodies["nf"][i])
-            self.elastic[i, own] = True
+            self.elastic[i] = own
+            self._owned[i, own] = 1.0
             s[i, own], self._p[i, own] = beam.s, beam.p
             self._M[own, own], self._M_w[own, own], self.K[own, own] = beam.M, beam.M_w, beam.K
         first = np.stack([bodies["mx"], bodies["my"]], axis=-1)
@@ -86,7 +88,7 @@ class Inertia:
         H[..., 0, 0] = H[..., 1, 1] = self.mass.total
         H[..., 0, 2] = H[..., 2, 0] = -S_y
         H[..., 1, 2] = H[..., 2, 1] = S_x
-        H[..., 2, 2] = self._rotary + (x @ self._M_w * x) @ self.elastic.T
+        H[..., 2, 2] = self._rotary + (x @ self._M_w * x) @ self._owned.T
         G = np.empty((*c.shape, 3, x.shape[-1]), c.dtype)
         G[..., 0, :] = -s[..., None] * self.mass.shape
         G[..., 1, :] = c[..., None] * self.mass.shape

@@ -39,6 +39,7 @@ class Lowered:
     constraints: list[tuple[str, str]] = field(default_factory=list)
     states: list[tuple[str, str]] = field(default_factory=list)
     stations: dict[tuple[str, str], int] = field(default_factory=dict)
+    turning: set[tuple[str, str]] = field(default_factory=set)  # stations whose angle matters
     pathways: dict[Any, int] = field(default_factory=dict)
     terms: list[list[Term]] = field(default_factory=list)
     springs: list[tuple[int, float, float, float]] = field(default_factory=list)
@@ -82,6 +83,11 @@ class Lowered:
         if key not in self.pathways:
             self.pathways[key] = len(self.terms)
             self.terms.append(terms)
+            for kind, a, b, _, _ in terms:
+                if kind == ANGLE:
+                    self.turning |= {a, b}
+                elif kind in (ALONG_X, ALONG_Y):
+                    self.turning.add(a)
         return self.pathways[key]
 
     def joint_term(self, name: str, direction: str, coefficient: float = 1.0) -> Term:
@@ -330,6 +336,8 @@ def _loads(out: Lowered) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
             del record["moment"]
             distributed.append(record | {"on": load.on, "from": load.from_, "to": load.to})
             continue
+        if load.type == "moment" or load.frame == "following":
+            out.turning.add((load.at.body, load.at.point))
         if load.type == "moment":
             record["moment"] = out.signals.add(load.moment)
         loads.append(record | {"station": out.station(load.at.body, load.at.point)})
@@ -377,8 +385,7 @@ def _assemble(
 ) -> None:
     """Number the stations and fill the records."""
     for link in out.tree.links:
-        out.station(*out.outer_point(link))
-        out.station(*out.inner_point(link))
+        out.turning |= {out.station(*out.outer_point(link)), out.station(*out.inner_point(link))}
     order = sorted(out.stations, key=lambda key: out.body_index.get(key[0], -1))
     out.stations = {key: k for k, key in enumerate(order)}
     parts = lower_bodies(out, distributed)

@@ -51,8 +51,8 @@ class _System(_Mechanism, Protocol):
 class Matrices:
     """M q'' + C q' + D q' + K q + g = B u + f + Phi_q^T lambda, Phi_q q'' = gamma, at a state q, v = q'.
 
-    SI units; elastic coordinates are nodal. Motors with inductance have their torque in f, the others are columns
-    of B; f also has loads, springs whose length is not linear in q, rest positions, and prescribed motion.
+    SI units; elastic coordinates are nodal. Motors with inductance have their torque in f, the others are
+    columns of B; f also has loads, springs that are not linear in q, rest positions, and prescribed motion.
     """
 
     coordinates: tuple[str, ...]
@@ -88,7 +88,7 @@ class Matrices:
 
 
 def matrices(system: _System, q: Array, v: Array, t: float = 0.0, z: Array | None = None) -> Matrices:
-    """Matrices at nodal coordinates q (nq,), rates v (nq,), time t [s], first-order states z (nz,) or zero."""
+    """Matrices at nodal coordinates q and v = q' (nq,), time t [s], first-order states z (nz,), or zero."""
     planar, reference = system.planar, system.reference
     n = planar.nq
     x, r = np.append(q, t), np.append(v, 1.0)
@@ -102,10 +102,12 @@ def matrices(system: _System, q: Array, v: Array, t: float = 0.0, z: Array | Non
     signals = reference.signals(t)
     K, D, f = apply_springs(planar, paths, x, r)
     for body, damping in system.nodal_damping.items():
-        own = np.flatnonzero(reference.inertia.elastic[body])
-        D[np.ix_(own, own)] += damping
+        own = reference.inertia.elastic[body]
+        D[own, own] += damping
     z = np.zeros(2 * planar.motors.size) if z is None else np.asarray(z)
-    online = gravity_compensation(system, q, t) if planar.online_compensation else np.zeros(planar.motors.size)
+    online = (
+        gravity_compensation(system, q, t) if planar.online_compensation else np.zeros(planar.motors.size)
+    )
     motors = apply_motors(planar, paths, r, signals, z, online)
     f = f + motors.f + apply_loads(planar, reference, bodies.real, stations.real, x, signals) - C[:, n]
 
@@ -136,10 +138,12 @@ def matrices(system: _System, q: Array, v: Array, t: float = 0.0, z: Array | Non
 def gravity_compensation(system: _Mechanism, q: Array, t: float = 0.0) -> Array:
     """Joint torques of the motors (motors,) that hold the rigid mechanism at q (nq,) against gravity.
 
-    Least squares on the joint coordinates, rotors left out: g = sum tau J^T + Phi_q^T lambda, all beams straight.
+    Least squares on the joint coordinates, rotors left out: g = J^T tau + Phi_q^T lambda, all beams straight.
     """
     planar, reference = system.planar, system.reference
-    x = np.append(np.where(reference.inertia.elastic.any(axis=0)[:-1], 0.0, q), t)
+    x = np.append(q, t)
+    for own in reference.inertia.elastic.values():
+        x[own] = 0.0
     bodies, stations = reference.frames(x[:-1], t)
     joints = planar.bodies["coordinate"][planar.bodies["rotor"] == 0]
     joints = joints[joints >= 0]

@@ -1,7 +1,7 @@
 """The kinematics a second time: whole Jacobians in nodal coordinates, in plain NumPy.
 
-The compiled kernels go from body to body with velocities and modal coordinates; here every position carries its
-gradient. The two share no formula but the geometry of a joint, so that each is a check of the other.
+The compiled kernels go from body to body with velocities and modal coordinates; here every position carries
+its gradient. The two share no formula but the geometry of a joint, so that each is a check of the other.
 
     q, t   generalised coordinates (nq,), the elastic ones nodal; time
     frame  dual (system.duals) of (x, y, angle), shape (..., 3, d), world axes
@@ -22,7 +22,7 @@ Array = np.ndarray
 
 
 class _Level(NamedTuple):
-    """Bodies equally far from the ground; `owner` and `inner_at` number them and their stations in the level."""
+    """Bodies equally far from the ground; `owner` and `inner_at` count within `bodies` and `stations`."""
 
     bodies: Array
     outer: Array
@@ -34,21 +34,6 @@ class _Level(NamedTuple):
     axis: Array  # angle of the joint's x axis in its first point's frame [rad]
 
 
-class _Signals(NamedTuple):
-    """What `evaluate_signals` reads of the system."""
-
-    signals: Array
-    program: Array
-    table: Array
-
-
-class _Scratch(NamedTuple):
-    """What `evaluate_signals` writes."""
-
-    signal: Array
-    stack: Array
-
-
 class Reference:
     """Positions and Jacobians of a mechanism, for one configuration q (nq,) or any batch of them (..., nq).
 
@@ -57,20 +42,20 @@ class Reference:
 
     def __init__(self, planar: Planar, beams: Mapping[int, FloatingBeam]) -> None:
         self.nq = planar.nq
-        self._signals = _Signals(planar.signals, planar.program, planar.table)
+        self.inertia = Inertia(planar, beams)
+        self._signals, self._program, self._table = planar.signals, planar.program, planar.table
         bodies, stations = planar.bodies, planar.stations
         self._place = np.stack([stations["ax"], stations["ay"], stations["angle"]], axis=-1)
         self._shapes = np.zeros((stations.size, 3, planar.nq + 1))
         self._ground = np.flatnonzero(stations["body"] < 0)
         for i, beam in beams.items():
-            own = np.flatnonzero(stations["body"] == i)
-            elastic = slice(bodies["first_q"][i], bodies["first_q"][i] + bodies["nf"][i])
+            own, elastic = np.flatnonzero(stations["body"] == i), self.inertia.elastic[i]
             self._shapes[own, 1, elastic] = beam.shape(stations["ax"][own])
             self._shapes[own, 2, elastic] = beam.slope(stations["ax"][own])
         self._joint_at_rest = np.zeros((bodies.size, 3))
         self._directions = np.zeros((bodies.size, 3, planar.nq + 1))
-        i, direction = np.nonzero(bodies["coordinate"] >= 0)
-        self._directions[i, direction, bodies["coordinate"][i, direction]] = 1.0
+        body, direction = np.nonzero(bodies["coordinate"] >= 0)
+        self._directions[body, direction, bodies["coordinate"][body, direction]] = 1.0
         self._driven = np.nonzero(bodies["driver"] >= 0)
         self._drivers = bodies["driver"][self._driven]
         self._levels = _levels(planar)
@@ -78,12 +63,11 @@ class Reference:
         self._sum = _sum_of_terms(planar)
         self._offset = planar.pathways["offset"]  # a view: offsets may be set after this
         self.size = 3 * (bodies.size + stations.size)  #: numbers that place the mechanism
-        self.inertia = Inertia(planar, beams)
-        self.stretches = _loaded_stretches(planar, beams)  #: where the distributed loads act
+        self.stretches = _loaded_stretches(planar, beams, self.inertia)  #: where the distributed loads act
         self.linear = _linear_pathways(planar)  #: whether a pathway is linear in q, (pathways,)
 
     def stations(self, q: Array, t: complex | Array = 0.0) -> tuple[Array, Array, Array]:
-        """Positions (..., ns, 2) [m], angles (..., ns) [rad] and Jacobians (..., ns, 3, nq+1) of (x, y, angle).
+        """Positions (..., ns, 2) [m], angles (..., ns) [rad], and Jacobians of both (..., ns, 3, nq+1).
 
         The last column of a Jacobian is the partial derivative by time.
         """
@@ -97,10 +81,9 @@ class Reference:
 
     def signals(self, t: float) -> Array:
         """Value, rate and second derivative of every signal, shape (signals, 3)."""
-        scratch = _Scratch(np.zeros((self._signals.signals.size, 3)), np.zeros((64, 3)))
-        if scratch.signal.size:
-            evaluate_signals(self._signals, scratch, t)
-        return scratch.signal
+        values = np.zeros((self._signals.size, 3))
+        evaluate_signals(self._signals, self._program, self._table, np.zeros((64, 3)), t, values)
+        return values
 
     def signal(self, index: int, t: float) -> Array:
         """Value, rate and second derivative of one signal, shape (3,)."""
@@ -195,15 +178,14 @@ def _levels(planar: Planar) -> list[_Level]:
     return levels
 
 
-def _loaded_stretches(planar: Planar, beams: Mapping[int, FloatingBeam]) -> Moments:
+def _loaded_stretches(planar: Planar, beams: Mapping[int, FloatingBeam], inertia: Inertia) -> Moments:
     """Integrals by length over the stretches [x0, x1] of the distributed loads."""
     loads = planar.distributed
     shape = np.zeros((loads.size, planar.nq + 1))
     for k, load in enumerate(loads):
         middle, half = load["moment"] / load["length"], load["length"] / 2
-        body = planar.bodies[load["body"]]
-        elastic = slice(body["first_q"], body["first_q"] + body["nf"])
-        shape[k, elastic] = beams[load["body"]].load_moments(middle - half, middle + half)[2]
+        body = int(load["body"])
+        shape[k, inertia.elastic[body]] = beams[body].load_moments(middle - half, middle + half)[2]
     first = np.stack([loads["moment"], np.zeros(loads.size)], axis=-1)
     return Moments(loads["length"], first, shape)
 
@@ -230,14 +212,13 @@ def _sum_of_terms(planar: Planar) -> Array:
 
 def _linear_pathways(planar: Planar) -> Array:
     """Angles are linear in q, and so are the displacements in the joints of the tree."""
-    tree = set()
+    coordinates = set()
     for body in planar.bodies:
         ends = (body["outer"], body["inner"]) if body["sign"] > 0.0 else (body["inner"], body["outer"])
-        tree.add((*ends, body["axis_c"], body["axis_s"]))
-    linear = [
-        term["kind"] == ANGLE
-        or term["kind"] in (ALONG_X, ALONG_Y)
-        and (term["a"], term["b"], term["axis_c"], term["axis_s"]) in tree
+        coordinates |= {(kind, *ends, body["axis_c"], body["axis_s"]) for kind in (ALONG_X, ALONG_Y)}
+    curved = [
+        term["kind"] != ANGLE
+        and tuple(term[k] for k in ("kind", "a", "b", "axis_c", "axis_s")) not in coordinates
         for term in planar.terms
     ]
-    return ~((_sum_of_terms(planar) != 0.0) & ~np.array(linear, bool)).any(axis=1)
+    return ~((_sum_of_terms(planar) != 0.0) & np.array(curved, bool)).any(axis=1)

@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from fmbd.results import vtkhdf
-from fmbd.results.archive import ArchiveWriter
+from fmbd.results.archive import ArchiveError, ArchiveWriter
 from fmbd.results.reader import read_archive
 from fmbd.results.vtkhdf import Drawing
 
@@ -82,7 +82,10 @@ def test_the_drawing_comes_back(tmp_path: Path) -> None:
 def test_a_run_need_not_be_drawn(tmp_path: Path) -> None:
     with ArchiveWriter(tmp_path / "run.vtkhdf", model_text="", coordinates=[]) as writer:
         writer.finish("complete", {})
-    assert read_archive(tmp_path / "run.vtkhdf").drawing is None
+    archive = read_archive(tmp_path / "run.vtkhdf")
+    assert archive.drawing is None
+    with pytest.raises(ArchiveError, match="archived without a drawing"):
+        archive.frames  # noqa: B018
 
 
 def test_steps_are_announced_before_their_times(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
