@@ -29,7 +29,7 @@ SMALLEST = 1e-30
 class Part(BaseModel):
     """A part as it is written: unknown keys are refused, nothing changes afterwards."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)  # build only what a model uses
 
     @model_validator(mode="wrap")
     @classmethod

@@ -2,7 +2,15 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, TypeAdapter, ValidationInfo
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    TypeAdapter,
+    ValidationInfo,
+)
 
 from fmbd.model.base import Number, Part, Text, to_number
 from fmbd.model.context import context_of
@@ -31,9 +39,7 @@ def _joint_name(name: str, info: ValidationInfo) -> str:
 
 
 _Targets = dict[Annotated[Text, AfterValidator(_joint_name)], SignalField]
-_placement = TypeAdapter(Placement)
-_targets: TypeAdapter[dict[str, Signal]] = TypeAdapter(_Targets)
-_compensation = TypeAdapter(GravityCompensation)
+_targets: TypeAdapter[dict[str, Signal]] = TypeAdapter(_Targets, config=ConfigDict(defer_build=True))
 
 
 def _to_target(value: Any, info: ValidationInfo) -> Signal | dict[str, Signal] | Placement:
@@ -41,7 +47,7 @@ def _to_target(value: Any, info: ValidationInfo) -> Signal | dict[str, Signal] |
         return value
     if isinstance(value, dict) and "type" not in value:
         if "place" in value:
-            return _placement.validate_python(value, context=info.context)
+            return Placement.model_validate(value, context=info.context)
         return _targets.validate_python(value, context=info.context)
     return to_signal(value, info)
 
@@ -52,7 +58,7 @@ def _to_feedforward(value: Any, info: ValidationInfo) -> Signal | GravityCompens
     if value == "gravity_compensation":
         return GravityCompensation()
     if isinstance(value, dict) and value.get("type") == "gravity_compensation":
-        return _compensation.validate_python(value, context=info.context)
+        return GravityCompensation.model_validate(value, context=info.context)
     if isinstance(value, str):
         check_signal_name(value, context_of(info), "signal", ["gravity_compensation"])
     return to_signal(value, info)

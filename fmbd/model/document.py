@@ -92,7 +92,7 @@ class Document:
         steps, data, place = self.find(path)
         mark = place.key if place.key and (of_key or isinstance(data, dict)) else place.mark
         where = written(steps[:-1] if of_key else steps)
-        return f"{self._at(mark)}: {where + ': ' if where else ''}{message}"
+        return f"{self._at(mark)}: {where + ': ' if where else ''}{shortened(message, 500)}"
 
     def _at(self, mark: Mark | None) -> str:
         return f"{self.label}:{mark[0] + 1}:{mark[1] + 1}" if mark else self.label
@@ -107,8 +107,8 @@ def written(path: Path) -> str:
 def parse(text: str, label: str) -> Document:
     """Read YAML text; raises ModelError.
 
-    Scalars follow the YAML 1.2 core schema (`on` and `yes` are text, `1e-6` is a number). Tags, repeated keys,
-    more than one document, too deep nesting and aliases that expand to too much are refused.
+    Scalars follow the YAML 1.2 core schema (`on` and `yes` are text, `1e-6` is a number). Tags, repeated keys
+    and a second document are refused, and so are too deep nesting and aliases that expand to too much.
     """
     try:
         size = len(text.encode())

@@ -3,7 +3,7 @@
 from functools import cache
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
-from pydantic import AfterValidator, ConfigDict, Field, PlainValidator, TypeAdapter
+from pydantic import AfterValidator, Field, PlainValidator, TypeAdapter
 
 from fmbd.model.base import Number, Pair, Part, Text
 from fmbd.model.beam import BeamEntry
@@ -39,8 +39,6 @@ BodyField = Annotated[
 
 class ModelFile(Part):
     """A planar flexible multibody model."""
-
-    model_config = ConfigDict(defer_build=True)
 
     fmbd: Annotated[int, PlainValidator(_supported, json_schema_input_type=Literal[1])]
     """Version of the file format."""

@@ -40,7 +40,7 @@ def unknown(kind: str, name: str, known: Iterable[str], owner: str = "") -> str:
 def shortened(value: object, width: int = 60) -> str:
     """A value as a message shows it, in at most `width` characters and one line."""
     text = value[: width + 1] if isinstance(value, str) else repr(value)
-    text = " ".join(text.split())
+    text = " ".join("".join(c if c.isprintable() else " " for c in text).split())
     return text if len(text) <= width else text[: width - 3] + "..."
 
 

@@ -76,7 +76,7 @@ def _expanded(data: Any, steps: list[str]) -> Iterator[list[str]]:
     if not steps:
         yield []
         return
-    step, *rest = steps
+    step, rest = _next_step(data, steps)
     if step != "*":
         for more in _expanded(_child(data, step), rest):
             yield [step, *more]
@@ -84,6 +84,15 @@ def _expanded(data: Any, steps: list[str]) -> Iterator[list[str]]:
         for key in data if isinstance(data, dict) else range(len(data)):
             for more in _expanded(_child(data, str(key)), rest):
                 yield [str(key), *more]
+
+
+def _next_step(data: Any, steps: list[str]) -> tuple[str, list[str]]:
+    """The first step and the others; a key of the data may hold dots, as `rod.end` does in `place`."""
+    for count in range(len(steps), 1, -1):
+        joined = ".".join(steps[:count])
+        if isinstance(data, dict) and joined in data:
+            return joined, steps[count:]
+    return steps[0], steps[1:]
 
 
 def _child(data: Any, step: str) -> Any:

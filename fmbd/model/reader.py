@@ -94,9 +94,10 @@ def _check_name(family: str, name: str, context: Context) -> None:
         raise ValueError("'ground' is the fixed world and cannot be the name of a body")
     if family == "signals" and (name == "t" or name in context.parameters):
         raise ValueError(f"'{name}' is already {'the time' if name == 't' else 'a parameter'}")
-    for other in (
-        OUTPUT_FAMILIES if family in OUTPUT_FAMILIES else ("signals",) if family == "controllers" else ()
-    ):
+    rivals: tuple[str, ...] = OUTPUT_FAMILIES if family in OUTPUT_FAMILIES else ()
+    if family == "controllers":
+        rivals += ("signals",)  # a motor's input may be either
+    for other in rivals:
         if other != family and context.knows(other, name):
             raise ValueError(f"the name '{name}' is taken: it stands in '{other}', too")
 

@@ -4,7 +4,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Field, PlainValidator, TypeAdapter, ValidationInfo, model_validator
+from pydantic import (
+    AfterValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    TypeAdapter,
+    ValidationInfo,
+    model_validator,
+)
 from typing_extensions import TypeAliasType
 
 from fmbd.model.base import NotNegative, Number, Part, Positive, Text, to_number
@@ -147,7 +155,7 @@ _Mapping = Annotated[
     | Annotated[TableEntry, AfterValidator(_read)],
     Field(discriminator="type"),
 ]
-_mapping: TypeAdapter[Any] = TypeAdapter(_Mapping)
+_mapping: TypeAdapter[Any] = TypeAdapter(_Mapping, config=ConfigDict(defer_build=True))
 
 
 def to_signal(value: Any, info: ValidationInfo) -> Signal:

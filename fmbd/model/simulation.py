@@ -25,8 +25,8 @@ class Simulation(Part):
     """Explicit Runge-Kutta of order 8 or 5 with projection, or the null-space Baumgarte scheme."""
     rtol: Positive = 1e-6
     """Relative tolerance of a step."""
-    atol: Positive = Field(default_factory=lambda data: data["rtol"] * 1e-3)
-    """Absolute tolerance of a step [m, rad, m/s, rad/s]; a thousandth of rtol when left out."""
+    atol: Positive = Field(default_factory=lambda data: data["rtol"])
+    """Absolute tolerance of a step [m, rad, m/s, rad/s]; rtol when left out (lower it for tiny mechanisms)."""
     output_interval: Positive = Field(default_factory=lambda data: data["duration"] / 1000.0)
     """Time between outputs [s]; a thousandth of the duration when left out."""
     max_step: Positive | None = None

@@ -11,16 +11,23 @@ from numba import njit
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
-_OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
-_INSIDE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 # fused multiply-add, and one reciprocal for several divisions: the last digit may differ
 _ROUNDING = {"contract", "arcp"}
 
+
+def _decorator(**options: Any) -> Decorator:
+    common: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": _ROUNDING}
+    decorator: Decorator = njit(**(common | options))
+    return decorator
+
+
+_INSIDE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
 #: A kernel that Python may call.
-compiled: Decorator = njit(fastmath=_ROUNDING, **_OPTIONS)
+compiled = _decorator()
 #: A kernel that only other kernels call.
-inner: Decorator = njit(fastmath=_ROUNDING, **_OPTIONS, **_INSIDE)
+inner = _decorator(**_INSIDE)
 #: A part of a kernel, merged into it wherever it is called.
-part: Decorator = njit(fastmath=_ROUNDING, forceinline=True, **_OPTIONS, **_INSIDE)
+part = _decorator(**_INSIDE, forceinline=True)
 #: A part whose sums over modes may be reordered, so that they use the processor's vector units.
-part_sums: Decorator = njit(fastmath={*_ROUNDING, "reassoc"}, forceinline=True, **_OPTIONS, **_INSIDE)
+part_sums = _decorator(**_INSIDE, forceinline=True, fastmath={*_ROUNDING, "reassoc"})

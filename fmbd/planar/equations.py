@@ -17,7 +17,7 @@ from fmbd.planar.recursion import joint_direction, outer_acceleration, solve
 from fmbd.planar.signals import evaluate_signals
 
 
-@compiled
+@part
 def accelerations(
     sys: Any,
     work: Any,
@@ -49,6 +49,22 @@ def accelerations(
         work.reactions[c].target = -second - drag * rate - pull * value
     failed = solve(sys, work, q, qdd)
     return failed, dissipated, power + driving_power(sys, work)
+
+
+@compiled
+def evaluate_accelerations(
+    sys: Any,
+    work: Any,
+    t: float,
+    q: np.ndarray,
+    v: np.ndarray,
+    z: np.ndarray,
+    dz: np.ndarray,
+    qdd: np.ndarray,
+) -> int:
+    """`accelerations` for callers in Python; returns -1 or the index of the body that failed."""
+    failed, _, _ = accelerations(sys, work, t, q, v, z, dz, qdd, 0.0, 0.0)
+    return failed
 
 
 @part
@@ -102,7 +118,7 @@ def reaction(sys: Any, work: Any, i: int) -> tuple[float, float, float]:
     return fx, fy, moment
 
 
-@inner
+@part
 def derivatives(
     sys: Any, work: Any, t: float, y: np.ndarray, dy: np.ndarray, drag: float, pull: float
 ) -> int:

@@ -77,7 +77,14 @@ def _joint(
         bx += sign * (ax - bw1 * uy - w1 * w1 * ux - 2.0 * w1 * ry)
         by += sign * (ay + bw1 * ux - w1 * w1 * uy + 2.0 * w1 * rx)
     frame.px, frame.py = px, py
-    _frame_from_station(inner, rows, frame, angle, w, bw, vx, vy, bx, by)
+    # a rotor has no mass and no points off its axis: it looks the same at every angle
+    c, s = 1.0, 0.0
+    if b.rotor == 0:
+        theta = angle - inner.angle
+        if inner.row_s >= 0:
+            theta -= rows[inner.row_s].value
+        c, s = cos(theta), sin(theta)
+    _frame_from_station(inner, rows, frame, c, s, angle, w, bw, vx, vy, bx, by)
 
 
 @part
@@ -97,6 +104,8 @@ def _frame_from_station(
     inner: Any,
     rows: Any,
     frame: Any,
+    c: float,
+    s: float,
     angle: float,
     w: float,
     bw: float,
@@ -109,7 +118,6 @@ def _frame_from_station(
     deflection, rate, slope, slope_rate = _deformation(inner, rows)
     theta = angle - inner.angle - slope
     w -= slope_rate
-    c, s = cos(theta), sin(theta)
     d = inner.ay + deflection
     rx, ry = c * inner.ax - s * d, s * inner.ax + c * d
     frame.angle, frame.c, frame.s, frame.w, frame.bw = theta, c, s, w, bw

@@ -11,7 +11,7 @@ import numpy as np
 
 from fmbd.planar.compile import part
 
-# A pivot this small against the self_term it came from is round-off.
+# A pivot this small against the diagonal it came from is round-off.
 DEPENDENT = 1e-11
 
 

@@ -60,7 +60,7 @@ class ArchiveWriter:
             create_results(file, coordinates, constraints, states, extra)
             if drawing is not None:
                 vtkhdf.create_drawing(file, drawing)
-        target = Path(os.path.realpath(path))
+        target = self.path.resolve()
         with self._naming_the_file():
             _replace(target, image.getvalue() + bytes(blocks.HEADROOM))
             self._file = h5py.File(target, "r+", libver=blocks.LIBVER, locking=False)
@@ -165,7 +165,7 @@ def _replace(path: Path, content: bytes) -> None:
     beginning = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         beginning.write_bytes(content)
-        os.replace(beginning, path)
+        beginning.replace(path)
     finally:
         beginning.unlink(missing_ok=True)
 

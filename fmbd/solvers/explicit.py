@@ -24,7 +24,7 @@ READY, AT_START, EULER, STAGES, CLOSING, DENSE = range(6)
 #: Indices of Memory.clock [s]: now, wanted step, this step, its end, last instant before the next breakpoint, the point
 #: at which f is wanted, start and length of the last accepted step.
 NOW, WANTED, STEP, END, BEFORE_BREAK, POINT, LAST_START, LAST_STEP, LAST_ERROR = range(9)
-#: Indices of Memory.count.
+#: Indices of Memory.counters.
 (
     ACCEPTED,
     REJECTED,
@@ -64,7 +64,7 @@ class Memory(NamedTuple):
     F: np.ndarray
     correction: np.ndarray
     clock: np.ndarray
-    count: np.ndarray
+    counters: np.ndarray
 
 
 def memory(tableau: Any, y0: np.ndarray, nq: int) -> Memory:
@@ -93,7 +93,7 @@ def advance(
 
     The last entry of `breaks` is the end of the run. Returns how many rows were filled, and a status.
     """
-    count = mem.count
+    count = mem.counters
     filled, tried = 0, 0
     while True:
         if count[PHASE] == READY:
@@ -127,7 +127,7 @@ def advance(
 @inner
 def _write(tableau: Any, mem: Any, times: np.ndarray, out: np.ndarray, filled: int) -> int:
     """Write the output times that have been reached; ask for the interpolant (phase DENSE) if it is missing."""
-    clock, count = mem.clock, mem.count
+    clock, count = mem.clock, mem.counters
     while filled < times.size and times[filled] <= clock[NOW]:
         if times[filled] == clock[NOW]:
             _copy(mem.y, out[filled])
@@ -146,7 +146,7 @@ def _write(tableau: Any, mem: Any, times: np.ndarray, out: np.ndarray, filled: i
 @inner
 def _begin(tableau: Any, mem: Any, breaks: np.ndarray, options: Any) -> None:
     """Start a step from mem.y; after a breakpoint f is evaluated anew, with the inputs that follow it."""
-    clock, count = mem.clock, mem.count
+    clock, count = mem.clock, mem.counters
     while breaks[count[BREAK]] <= clock[NOW]:
         count[BREAK] += 1
         count[FRESH] = 1
@@ -163,7 +163,7 @@ def _begin(tableau: Any, mem: Any, breaks: np.ndarray, options: Any) -> None:
 @part
 def _aim(mem: Any, options: Any) -> None:
     """Choose this step's length, so that it lands on a breakpoint that is near."""
-    clock, count = mem.clock, mem.count
+    clock, count = mem.clock, mem.counters
     h = min(clock[WANTED], options.max_step)
     # clock[END] is the breakpoint, as yet
     left = clock[END] - clock[NOW]
@@ -174,7 +174,7 @@ def _aim(mem: Any, options: Any) -> None:
 @inner
 def _point(tableau: Any, mem: Any) -> None:
     """Put the state at which f is wanted into mem.trial, its time into clock[POINT]; its row is count[ROW]."""
-    clock, count = mem.clock, mem.count
+    clock, count = mem.clock, mem.counters
     phase, row = count[PHASE], count[ROW]
     if phase == AT_START:
         _copy(mem.y, mem.trial)
@@ -199,7 +199,7 @@ def _point(tableau: Any, mem: Any) -> None:
 @inner
 def _use(tableau: Any, mem: Any, options: Any) -> bool:
     """Go on with the value of f in k[count[ROW]]; False if the step has become too small."""
-    clock, count = mem.clock, mem.count
+    clock, count = mem.clock, mem.counters
     phase = count[PHASE]
     s = tableau.b.size
     if phase == AT_START:
@@ -237,7 +237,7 @@ def _use(tableau: Any, mem: Any, options: Any) -> bool:
 @part
 def _judge(tableau: Any, mem: Any, options: Any) -> bool:
     """All stages are there: accept or reject the step, and choose the next (proportional-integral control)."""
-    clock, count = mem.clock, mem.count
+    clock, count = mem.clock, mem.counters
     h = clock[STEP]
     _combine(tableau.b, mem.k, tableau.b.size, h, mem.y, mem.trial)
     err = _error(tableau, mem, h, options)
@@ -257,7 +257,7 @@ def _judge(tableau: Any, mem: Any, options: Any) -> bool:
 @part
 def _reject(mem: Any, factor: float, options: Any) -> bool:
     """Try the step again, shorter by `factor`; False if that would be too short."""
-    clock, count = mem.clock, mem.count
+    clock, count = mem.clock, mem.counters
     count[REJECTED] += 1
     count[AFTER_REJECTION] = 1
     clock[WANTED] = factor * clock[STEP]
@@ -356,7 +356,7 @@ def _interpolant(tableau: Any, mem: Any) -> None:
         _weigh(tableau.d[r], k, row)
         for i in range(row.size):
             row[i] *= h
-    mem.count[INTERPOLANT] = 1
+    mem.counters[INTERPOLANT] = 1
 
 
 @part

@@ -65,8 +65,8 @@ class Statistics:
 
     def update(self, mem: Memory) -> None:
         """Copy the counters of the compiled loop."""
-        self.steps, self.rejected_steps = int(mem.count[ACCEPTED]), int(mem.count[REJECTED])
-        self.evaluations, self.projections = int(mem.count[EVALUATIONS]), int(mem.count[PROJECTIONS])
+        self.steps, self.rejected_steps = int(mem.counters[ACCEPTED]), int(mem.counters[REJECTED])
+        self.evaluations, self.projections = int(mem.counters[EVALUATIONS]), int(mem.counters[PROJECTIONS])
         self.time_reached = float(mem.clock[NOW])
 
 
@@ -194,7 +194,7 @@ def _reason(system: System, mem: Memory, status: int) -> str:
     """One line: what happened, when, and what to try."""
     t = f"t = {mem.clock[NOW]:.6g} s"
     if status == NO_INERTIA:
-        link = system.tree.links[int(mem.count[BODY])]
+        link = system.tree.links[int(mem.counters[BODY])]
         return f"at {t} joint {link.joint or link.motor} has no inertia to move: give body {link.name} a mass"
     if status == OFF_CONSTRAINTS:
         return f"at {t} the loops could not be closed again: the mechanism is at a singular configuration"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.beams import FloatingBeam, floating_beam
-from fmbd.model import ControllerRef, GravityCompensation, Model, Placement
+from fmbd.model import Beam, ControllerRef, GravityCompensation, Model, Placement
 from fmbd.model.motors import Motor
 from fmbd.planar import arrays
 from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
@@ -49,19 +49,9 @@ class Lowered:
     relaxed: list[int] = field(default_factory=list)  # pathways that are zero at the start
     planar: Planar = None  # type: ignore[assignment]
 
-    def is_linear(self, pathway: int) -> bool:
-        """Whether a pathway is linear in q: angles, and coordinates of joints of the tree."""
-        tree = {
-            self.joint_term(link.joint, direction)[:4]
-            for link in self.tree.links
-            if link.joint is not None
-            for direction in ("x", "y")
-        }
-        return all(term[0] == ANGLE or term[:4] in tree for term in self.terms[pathway])
-
     def outer_point(self, link: Link) -> tuple[str, str]:
         """Body and point of the parent's side of the joint that carries a body."""
-        joint = self.model.joints[link.joint or self.model.motors[link.motor].joint]
+        joint = self.model.joints[link.joint or self.model.motors[str(link.motor)].joint]
         ref = joint.between[0 if link.forward else 1]
         return ref.body, ref.point
 
@@ -95,7 +85,7 @@ class Lowered:
         joint = self.model.joints[name]
         kind = {"x": ALONG_X, "y": ALONG_Y, "angle": ANGLE}[direction]
         a, b = (self.station(ref.body, ref.point) for ref in joint.between)
-        return kind, a, b, tuple(joint.axis) if kind != ANGLE else (1.0, 0.0), coefficient
+        return kind, a, b, joint.axis if kind != ANGLE else (1.0, 0.0), coefficient
 
 
 def lower(model: Model) -> Lowered:
@@ -140,7 +130,7 @@ def _name_bodies(out: Lowered) -> None:
     """Number bodies and coordinates; build the beams."""
     for i, link in enumerate(out.tree.links):
         out.body_index[link.name] = i
-        if link.motor is not None:
+        if link.joint is None:
             out.coordinates.append((link.name, "rad"))
             continue
         joint = out.model.joints[link.joint]
@@ -148,7 +138,7 @@ def _name_bodies(out: Lowered) -> None:
             if direction in joint.coordinates and direction not in joint.driven:
                 out.coordinates.append((f"{link.joint}.{direction}", "rad" if direction == "angle" else "m"))
         body = out.model.bodies[link.name]
-        if body.type == "beam":
+        if isinstance(body, Beam):
             masses = [(body.points[point], m.mass, m.inertia) for point, m in body.point_masses.items()]
             beam = floating_beam(body.pieces, np.asarray(body.nodes, float), body.frame, masses)
             out.beams[i] = beam

@@ -85,16 +85,6 @@ class System:
             mask[body.first_q : body.first_q + body.nf] = body.nf > 0
         return mask
 
-    @property
-    def rotor_bodies(self) -> list[int]:
-        """Bodies that are rotors of motors."""
-        return [i for i, link in enumerate(self.tree.links) if link.motor is not None]
-
-    @property
-    def motor_joint_pathways(self) -> list[int]:
-        """Pathway of each motor's joint."""
-        return [int(k) for k in self.planar.motors["joint_pathway"]]
-
     @cached_property
     def nodal_damping(self) -> dict[int, Array]:
         """Damping matrix of each beam in nodal coordinates: M Psi diag(d) Psi^T M."""
@@ -103,11 +93,6 @@ class System:
             left = beam.M @ self.lowered.psi[i]
             out[i] = (left * self.lowered.modal_damping[i]) @ left.T
         return out
-
-    @cached_property
-    def linear_springs(self) -> list[bool]:
-        """Whether a spring's pathway is linear in q: angles, and coordinates of joints of the tree."""
-        return [self.lowered.is_linear(int(k)) for k in self.planar.springs["pathway"]]
 
     def station_of_place(self, name: str) -> int:
         """Station index of a joint's first point or of body.point."""
@@ -149,13 +134,12 @@ class System:
         self, q: Array, v: Array, t: float = 0.0, z: Array | None = None
     ) -> tuple[Array, Array]:
         """q'' (nq,) and Lagrange multipliers (nc,) from the compiled recursion, in nodal coordinates."""
-        from fmbd.planar.equations import accelerations
+        from fmbd.planar.equations import evaluate_accelerations
 
         z = self.start.z if z is None else np.asarray(z, float)
         qdd = np.zeros(self.planar.nq)
-        accelerations(
-            self.planar, self.work, t, self.to_modal(q), self.to_modal(v), z, np.zeros(z.size), qdd, 0.0, 0.0
-        )
+        modal_q, modal_v = self.to_modal(q), self.to_modal(v)
+        evaluate_accelerations(self.planar, self.work, t, modal_q, modal_v, z, np.zeros(z.size), qdd)
         return self.to_nodal(qdd), np.array(self.work.reactions["multiplier"])
 
 

@@ -235,7 +235,7 @@ def test_an_existing_file_goes_only_when_the_new_one_is_there(tmp_path: Path) ->
         writer.finish("complete", {})
     with pytest.raises(ArchiveError, match="replaced by another run"):
         old.result("position")
-    assert os.listdir(tmp_path) == ["run.vtkhdf"]
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
@@ -245,7 +245,7 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         open_writer(tmp_path / "nowhere" / "run.vtkhdf")
     with pytest.raises(OSError, match=r"^cannot write /dev/null: it is not a regular file$"):
         open_writer(Path(os.devnull))
-    assert os.listdir(tmp_path) == []
+    assert not list(tmp_path.iterdir())
 
 
 def test_other_files_are_not_taken_for_archives(tmp_path: Path) -> None:

@@ -95,7 +95,8 @@ class TestFiveBar:
         assert motor.input == ControllerRef("position_control")
         law = self.five_bar.controllers["position_control"]
         assert (law.kp, law.kd, law.limit) == (4.0, 1.2, None)
-        assert law.target == Placement(place={"effector": (-0.1, 0.7)})
+        assert isinstance(law.target, Placement)
+        assert law.target.places == {"effector": (-0.1, 0.7)}
         assert law.feedforward == GravityCompensation(computed="target")
 
     def test_it_starts_placed_and_runs_for_three_seconds(self):
@@ -110,9 +111,8 @@ class TestFiveBar:
 
 class TestRigidBodies:
     def test_a_box_has_the_inertia_of_a_rectangle(self):
-        part = rigid(
-            "shape: {type: box, length: 0.5, height: 0.06, width: 0.04, center: [0.25, 0]}, density: 7700"
-        )
+        box = "{type: box, length: 0.5, height: 0.06, width: 0.04, center: [0.25, 0]}"
+        part = rigid(f"shape: {box}, density: 7700")
         assert part.mass == pytest.approx(7700 * 0.5 * 0.06 * 0.04)
         assert part.inertia == pytest.approx(part.mass * (0.5**2 + 0.06**2) / 12)
         assert part.center_of_mass == (0.25, 0.0)
@@ -245,7 +245,7 @@ class TestJoints:
             "type: prismatic, spring: {stiffness: 2}, friction: 0.1, driven: 0.5, axis: [0, -3]"
         )
         long = self.joint(
-            "type: prismatic, spring: {x: {stiffness: 2}}, friction: {x: 0.1}, driven: {x: 0.5}, axis: [0, -1]"
+            "type: prismatic, axis: [0, -1], spring: {x: {stiffness: 2}}, friction: {x: .1}, driven: {x: .5}"
         )
         assert short == long
         assert short.spring["x"].stiffness == 2.0
@@ -274,7 +274,7 @@ class TestSignals:
 
     def test_a_name_stands_for_the_signal(self):
         loads = model(
-            "signals: {e: {type: step, at: 0.1, after: 2}}\nloads: {pull: {type: force, at: arm.A, force: [e, e]}}"
+            "signals: {e: {type: step, after: 2}}\nloads: {pull: {type: force, at: arm.A, force: [e, e]}}"
         ).loads
         assert loads["pull"].force[0].after == 2.0
 
@@ -314,9 +314,8 @@ class TestDrives:
         law = self.law("pd, kp: 1, target: 0, limit: 24")
         assert law.limit == (-24.0, 24.0)
         assert law.feedforward == Constant(value=0.0)
-        law = self.law(
-            "pd, kp: 1, target: 0, limit: [-1, 2], feedforward: {type: gravity_compensation, computed: online}"
-        )
+        online = "{type: gravity_compensation, computed: online}"
+        law = self.law(f"pd, kp: 1, target: 0, limit: [-1, 2], feedforward: {online}")
         assert law.limit == (-1.0, 2.0)
         assert law.feedforward == GravityCompensation(computed="online")
 
