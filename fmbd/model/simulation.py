@@ -26,7 +26,7 @@ class Simulation(Part):
     rtol: Positive = 1e-6
     """Relative tolerance of a step."""
     atol: Positive = Field(default_factory=lambda data: data["rtol"])
-    """Absolute tolerance of a step [m, rad, m/s, rad/s]; rtol when left out (lower it for tiny mechanisms)."""
+    """Absolute tolerance of a step [m, rad, m/s, rad/s]; rtol when left out (lower it for tiny parts)."""
     output_interval: Positive = Field(default_factory=lambda data: data["duration"] / 1000.0)
     """Time between outputs [s]; a thousandth of the duration when left out."""
     max_step: Positive | None = None

@@ -245,8 +245,8 @@ def _judge(tableau: Any, mem: Any, options: Any) -> bool:
         shrink = 0.9 * err ** (-1.0 / tableau.order) if err < 1e300 else 0.1
         return _reject(mem, max(0.1, shrink), options)
     err = max(err, 1e-10)
-    memory_exponent = 0.4 / tableau.order
-    grow = 0.9 * err ** (-0.7 / tableau.order) * max(clock[LAST_ERROR], 1e-4) ** memory_exponent
+    memory_exponent = 0.2 / tableau.order
+    grow = 0.9 * err ** (-0.6 / tableau.order) * max(clock[LAST_ERROR], 1e-4) ** memory_exponent
     grow = min(6.0, max(0.2, grow))
     clock[WANTED] = h * (min(1.0, grow) if count[AFTER_REJECTION] == 1 else grow)
     clock[LAST_ERROR] = err

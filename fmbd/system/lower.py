@@ -20,6 +20,10 @@ from fmbd.system.columns import place_columns
 from fmbd.system.signals import SignalTable
 from fmbd.system.tree import Link, Tree, spanning_tree
 
+#: Elements of one beam, and output times of one run.
+MAX_ELEMENTS = 1000
+MAX_OUTPUTS = 10_000_000
+
 Term = tuple[int, tuple[str, str], tuple[str, str], tuple[float, float], float]
 
 
@@ -89,7 +93,8 @@ class Lowered:
 
 
 def lower(model: Model) -> Lowered:
-    """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground."""
+    """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground, or too large a job."""
+    _check_size(model)
     out = Lowered(model, _tree(model))
     _name_bodies(out)
     _joints(out)
@@ -100,6 +105,21 @@ def lower(model: Model) -> Lowered:
     constraints = _constraints(out)
     _assemble(out, motors, controllers, loads, distributed, constraints)
     return out
+
+
+def _check_size(model: Model) -> None:
+    """Refuse what would fill the memory: a beam's modal basis is a dense matrix, output times are an array."""
+    for name, body in model.bodies.items():
+        if isinstance(body, Beam) and len(body.nodes) - 1 > MAX_ELEMENTS:
+            text = f"{len(body.nodes) - 1} elements are more than a beam can have ({MAX_ELEMENTS})"
+            raise model.error(("bodies", name, "elements"), text)
+    simulation = model.simulation
+    if simulation.duration / simulation.output_interval > MAX_OUTPUTS:
+        raise model.error(
+            ("simulation", "output_interval"),
+            f"{simulation.output_interval:g} s asks for more than {MAX_OUTPUTS:.0e} outputs of a run "
+            f"of {simulation.duration:g} s",
+        )
 
 
 def motor_coordinate(model: Model, motor: Motor) -> str:

@@ -9,6 +9,9 @@ from fmbd.planar.arrays import SIGNAL, records
 
 Array = np.ndarray
 
+#: Pulses of one signal whose edges a run lands on exactly; later ones are met by the step control.
+MAX_PULSES = 100_000
+
 
 class SignalTable:
     """Collects signals; `add` gives a signal's index, the same for the same object."""
@@ -92,7 +95,7 @@ def _breaks(signal: Any, end: float) -> list[float]:
         case "ramp" | "smooth_step":
             return [signal.start, signal.end]
         case "pulse" if signal.period:
-            count = max(0, int((end - signal.start) / signal.period) + 1)
+            count = min(MAX_PULSES, max(0, int((end - signal.start) / signal.period) + 1))
             starts = signal.start + signal.period * np.arange(count)
             return [*starts, *(starts + signal.width)]
         case "pulse":
