@@ -19,6 +19,7 @@ class Context:
     broken_parameters: set[str] = field(default_factory=set)
     parts: dict[str, dict[str, Any]] = field(default_factory=dict)
     folder: Path = field(default_factory=Path)
+    files: dict[str, str] = field(default_factory=dict)  # text of the tables, by name
     elements: int = 0  # of all beams so far
 
     def find(self, family: str, name: str, kind: str) -> Any:

@@ -32,17 +32,22 @@ def load_model(path: str | Path, overrides: Mapping[str, Any] | None = None) -> 
 
 
 def load_model_text(
-    text: str, path: str | Path | None = None, overrides: Mapping[str, Any] | None = None
+    text: str,
+    path: str | Path | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    files: Mapping[str, str] | None = None,
 ) -> Model:
     """The model in a YAML text; `path` is the file it came from. Raises ModelError with all problems.
 
-    Tables are looked for in the folder of `path`, in the working directory when there is none.
+    Tables are looked for among `files` (text by name), then in the folder of `path`, in the working directory when
+    there is none.
     """
     document = parse(text, "<text>" if path is None else str(path))
     path = None if path is None else Path(path)
     changes = apply_overrides(document, overrides or {})
-    fields = read_document(document, path)
-    return Model(**fields, text=text, path=path, overrides=changes, document=document)
+    tables = dict(files or {})
+    fields = read_document(document, path, tables)
+    return Model(**fields, text=text, path=path, overrides=changes, document=document, files=tables)
 
 
 def _resembling(path: Path) -> str:

@@ -27,7 +27,8 @@ class Model:
     """A planar mechanism as its file describes it, all names resolved, all numbers in SI units.
 
     Parts are in dictionaries by name, in file order. `text` is the YAML source, `path` its file (None for a
-    text), `overrides` what was changed since, by path. Changed copies come from `with_`.
+    text), `overrides` what was changed since, by path. Changed copies come from `with_`. `files` holds the text of
+    the tables that the model names, by name, as they were when the model was first read.
     """
 
     fmbd: int
@@ -51,6 +52,7 @@ class Model:
     path: Path | None
     overrides: Mapping[str, Any]
     document: Document = field(repr=False, compare=False)
+    files: Mapping[str, str] = field(repr=False)
 
     def with_(self, path: str, value: object) -> "Model":
         """A copy in which the value at `path` is another; raises ModelError.
@@ -61,7 +63,13 @@ class Model:
         from fmbd.model.loader import load_model_text  # the loader makes models
 
         kept = {key: old for key, old in self.overrides.items() if key != path}
-        return load_model_text(self.text, self.path, kept | {path: value})
+        return load_model_text(self.text, self.path, kept | {path: value}, self.files)
+
+    def yaml(self) -> str:
+        """The model as YAML text with its overrides applied; `text` itself when there are none."""
+        from fmbd.model.writing import yaml_text
+
+        return yaml_text(self.document.data) if self.overrides else self.text
 
     def locate(self, path: tuple[str | int, ...]) -> str:
         """Where a value stands, `file:line:column`."""

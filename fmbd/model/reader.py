@@ -18,15 +18,18 @@ from fmbd.model.problems import AtKey, Problems
 OUTPUT_FAMILIES = ("bodies", "joints", "springs", "loads", "controllers", "motors")
 
 
-def read_document(document: Document, path: Path | None) -> dict[str, Any]:
-    """The fields of the model that a document describes; raises ModelError with all problems."""
+def read_document(document: Document, path: Path | None, files: dict[str, str]) -> dict[str, Any]:
+    """The fields of the model that a document describes; raises ModelError with all problems.
+
+    `files` holds the text of tables read before; those that are read now are added.
+    """
     problems = Problems(document)
     data = document.data
     if not isinstance(data, dict):
         problems.add((), f"a model file must be a mapping, not {described(data)}")
         problems.check()
     _check_keys(data, problems)
-    context = Context(folder=path.parent if path else Path())
+    context = Context(folder=path.parent if path else Path(), files=files)
     fields: dict[str, Any] = {}
     for key in ModelFile.model_fields:
         if key == "parameters":

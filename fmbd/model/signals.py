@@ -139,7 +139,7 @@ def _compiled(entry: TimeExpressionEntry, info: ValidationInfo) -> TimeExpressio
 
 
 def _read(entry: TableEntry, info: ValidationInfo) -> Table:
-    return entry.read(context_of(info).folder)
+    return entry.read(context_of(info))
 
 
 Signal = Constant | Step | Ramp | SmoothStep | Sine | Pulse | TimeExpression | Table

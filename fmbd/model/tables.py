@@ -1,6 +1,7 @@
 """Signals that are read from a CSV file beside the model."""
 
 import csv
+import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import PlainValidator
 
 from fmbd.model.base import LARGEST, Part, Text
-from fmbd.model.context import reject
+from fmbd.model.context import Context, reject
 from fmbd.model.names import described, unknown
 
 MAX_BYTES = 50_000_000
@@ -47,9 +48,11 @@ class TableEntry(Part):
     interpolation: Literal["linear", "cubic"] = "linear"
     """Between the rows."""
 
-    def read(self, folder: Path) -> Table:
+    def read(self, context: Context) -> Table:
         """The table; a file that cannot be read or is not a function of time is refused by file and line."""
-        rows = self._rows(self._locate(folder))
+        if self.file not in context.files:
+            context.files[self.file] = self._text(self._locate(context.folder))
+        rows = self._rows(context.files[self.file])
         if not rows:
             reject(("file",), f"{self.file}: the file is empty")
         header = [] if _is_number(rows[0][1][0]) else [name.strip() for name in rows[0][1]]
@@ -83,13 +86,21 @@ class TableEntry(Part):
             reject(("file",), f"{self.file!r}: cannot be read: {error}")
         return path
 
-    def _rows(self, path: Path) -> list[tuple[int, list[str]]]:
+    def _text(self, path: Path) -> str:
+        try:
+            text = path.read_bytes().decode("utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            reject(("file",), f"{self.file}: cannot be read: {error}")
+        if "\0" in text:
+            reject(("file",), f"{self.file}: is not a text file")
+        return text
+
+    def _rows(self, text: str) -> list[tuple[int, list[str]]]:
         """Line numbers and fields of all rows that are not blank."""
         try:
-            with path.open(encoding="utf-8-sig", newline="") as file:
-                reader = csv.reader(file, skipinitialspace=True)
-                return [(reader.line_num, row) for row in reader if any(field.strip() for field in row)]
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            reader = csv.reader(io.StringIO(text, newline=""), skipinitialspace=True)
+            return [(reader.line_num, row) for row in reader if any(field.strip() for field in row)]
+        except csv.Error as error:
             reject(("file",), f"{self.file}: cannot be read: {error}")
 
     def _column(self, key: str, header: list[str], width: int) -> int:

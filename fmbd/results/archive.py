@@ -30,6 +30,7 @@ class ArchiveWriter:
 
     path: the file, best with the suffix `.vtkhdf`; an existing file is replaced once the new one is open
     model_text: the model as run, YAML
+    model_files: text of the tables that the model names, by name
     coordinates, constraints, states: (name, unit) of every column
     extra: (name, unit) of further values that come with every step, such as `constraint_error`
     attributes: further root attributes; they override those recorded by default
@@ -48,6 +49,7 @@ class ArchiveWriter:
         constraints: Columns = (),
         states: Columns = (),
         extra: Columns = (),
+        model_files: Mapping[str, str] | None = None,
         attributes: Mapping[str, Value] | None = None,
         drawing: vtkhdf.Drawing | None = None,
     ) -> None:
@@ -56,7 +58,7 @@ class ArchiveWriter:
         # HDF5 dies of a full disk while it creates a file, so the beginning is made in memory.
         image = io.BytesIO()
         with h5py.File(image, "w", libver=blocks.LIBVER) as file:
-            describe_run(file, model_text, attributes or {})
+            describe_run(file, model_text, model_files or {}, attributes or {})
             create_results(file, coordinates, constraints, states, extra)
             if drawing is not None:
                 vtkhdf.create_drawing(file, drawing)

@@ -1,6 +1,7 @@
 """What an archive holds before the first step: groups, datasets, their names and units, and who writes it.
 
     /model                                      YAML text, with the parameters as run
+    /model_files/<n>                            text of the n-th table that the model names, attribute `name`
     /results/time                               (nt,)
     /results/position, velocity, acceleration   (nt, nq)
     /results/multipliers                        (nt, nc)
@@ -48,9 +49,15 @@ Columns = Sequence[tuple[str, str]]
 Value = str | int | float
 
 
-def describe_run(file: h5py.File, model_text: str, attributes: Mapping[str, Value]) -> None:
+def describe_run(
+    file: h5py.File, model_text: str, model_files: Mapping[str, str], attributes: Mapping[str, Value]
+) -> None:
     """Write the model and the root attributes; `attributes` override those recorded by default."""
     file["model"] = model_text
+    tables = file.create_group("model_files")
+    for number, (name, text) in enumerate(model_files.items()):
+        tables[str(number)] = text
+        tables[str(number)].attrs["name"] = name
     file.create_group("statistics")
     file.attrs.update(
         {

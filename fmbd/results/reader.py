@@ -31,6 +31,7 @@ class Archive:
     status: `running`, `complete` or `stopped: reason`
     attributes: root attributes (versions, command, started [UTC], wall_time [s], model_sha256, ...)
     model_text: YAML text of the model as run
+    model_files: text of the tables that the model names, by name
     statistics: counters of the solver
     coordinates, constraints, state_names: names of the columns of position, multipliers and states
     units: unit of each dataset, or units of its columns, by its path in `/results`
@@ -53,6 +54,9 @@ class Archive:
         attributes = _plain(file.attrs)
         self.status = _status(attributes)
         self.model_text: str = file["model"].asstr()[()]
+        self.model_files: dict[str, str] = {
+            table.attrs["name"]: table.asstr()[()] for table in file["model_files"].values()
+        }
         self.statistics = _plain(file["statistics"].attrs)
         self.coordinates, self.constraints, self.state_names = (
             tuple(results[scale].asstr()[:]) for scale in ("coordinate", "constraint", "state")

@@ -104,7 +104,8 @@ def integrate(
     """Yield blocks of results at `times` (ascending, from 0); the last time is the end of the run.
 
     Method and tolerances are those of the model's `simulation`. If the run cannot go on, the blocks stop early and
-    `statistics.reason` says why. `on_progress` is called with the time reached, often.
+    `statistics.reason` says why. `on_progress` is called with the time reached, often; it may end the run by giving
+    a `statistics.reason` itself.
     """
     simulation = system.model.simulation
     tableau = method(simulation.method)
@@ -122,7 +123,7 @@ def integrate(
         chunk = times[first : first + BLOCK]
         out = np.zeros((chunk.size, y0.size))
         filled, status = 0, RUNNING
-        while filled < chunk.size and status == RUNNING:
+        while filled < chunk.size and status == RUNNING and not statistics.reason:
             if mem.clock[NOW] >= end and chunk[filled] > mem.clock[NOW]:
                 break
             done, status = advance(
@@ -140,6 +141,7 @@ def integrate(
             yield block
         if status != RUNNING:
             statistics.reason = _reason(system, mem, status)
+        if statistics.reason:
             return
         first += BLOCK
 

@@ -132,8 +132,14 @@ class RigidMechanism:
         hinted: bool,
     ) -> Closure:
         """The closed position nearest to the guess; without a hint, also count other assembly modes."""
+        in_tree = all(joint not in self.lowered.tree.cut for joint, _ in held)
+        if in_tree and not places and not len(self.lowered.planar.held):
+            return Closure(guess, 0.0, 0)
+        miss = float(np.abs(self.equations(guess, held, places)[0]).max(initial=0.0))
+        if miss < CLOSED:
+            return Closure(guess, miss, 0)
         best = self.solve(guess, held, places)
-        if (hinted and best.residual < CLOSED) or not (places or len(self.lowered.planar.held)):
+        if hinted and best.residual < CLOSED:
             return Closure(self._unwind(best.q, guess, held), best.residual, 0)
         found = [best.q] if best.residual < CLOSED else []
         rng = np.random.default_rng(20221230)

@@ -43,13 +43,19 @@ def solve_start(lowered: Lowered, reference: Any) -> Start:
     _set_branches(lowered, reference, q)
     q = _relax_rotors(lowered, mechanism, reference, q)
     v = _rates(lowered, mechanism, reference, q)
+    if lowered.planar.pathways.size:
+        _relax_pathways(lowered, reference, q)
+    return Start(q, v, np.zeros(len(lowered.states)), tuple(remarks))
+
+
+def _relax_pathways(lowered: Lowered, reference: Any, q: Array) -> None:
+    """Transmissions and springs whose rest is left out carry nothing at the start."""
     values, _ = reference.pathways(q, 0.0)
     for index in lowered.relaxed:
         lowered.planar.pathways[index].offset -= values[index]
     for index in lowered.rest_at_start:
         spring = lowered.planar.springs[index]
         spring.rest = values[spring.pathway]
-    return Start(q, v, np.zeros(len(lowered.states)), tuple(remarks))
 
 
 def _by_coordinate(values: Mapping[str, Mapping[Any, float]]) -> dict[tuple[str, str], float]:
@@ -124,6 +130,8 @@ def _unreachable(lowered: Lowered, closure: Closure, joints: bool, places: bool)
 
 def _set_branches(lowered: Lowered, reference: Any, q: Array) -> None:
     """Count angles in cut joints from the turn that is nearest to zero at the start."""
+    if not lowered.cut_angles:
+        return
     values, _ = reference.pathways(q, 0.0)
     for index in set(lowered.cut_angles):
         path = lowered.planar.pathways[index]
@@ -162,9 +170,9 @@ def _rates(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array
     nq = lowered.planar.nq
     planar = lowered.planar
     given = _by_coordinate(lowered.model.initial.rates)
-    _, gradients = reference.pathways(q, 0.0)
     rows, wanted = [], []
-    if lowered.model.initial.consistent:
+    if lowered.model.initial.consistent and len(planar.held):
+        _, gradients = reference.pathways(q, 0.0)
         for c in planar.held:
             constraint = planar.constraints[c]
             drive = reference.signal(constraint["driver"], 0.0)[1] if constraint["driver"] >= 0 else 0.0
