@@ -15,3 +15,10 @@ class ModelError(Exception):
 
     def __reduce__(self) -> tuple[type["ModelError"], tuple[list[str]]]:
         return ModelError, (self.problems,)
+
+
+class UnknownQuantity(KeyError):
+    """A name that a run has no results for; the message is one line."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])

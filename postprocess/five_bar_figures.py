@@ -7,18 +7,15 @@ Figure 6: error of the loop closure, equation (22) of the paper.
 """
 
 import argparse
-from collections.abc import Mapping
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import fmbd
 
-# two columns of a journal; colours that also colour-blind readers tell apart (Okabe and Ito)
-WIDTH = 6.7  # inches
+WIDTH = 6.7  # inches, two columns of a journal
 STYLE = {
     "font.family": "serif",
     "font.serif": ["STIXGeneral"],
@@ -27,70 +24,70 @@ STYLE = {
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
+    "axes.xmargin": 0.0,
     "grid.color": "0.88",
     "grid.linewidth": 0.5,
     "legend.frameon": False,
-    "lines.linewidth": 1.0,
+    "lines.linewidth": 0.9,
     "savefig.dpi": 300,
-    "svg.fonttype": "none",
 }
-ARMS = {"right": {"color": "#0072B2"}, "left": {"color": "#D55E00", "linestyle": "--"}}
+# of Okabe and Ito: colour-blind readers and grey prints tell them apart
+ARMS = {"right": "#0072B2", "left": "#E69F00"}
 JOINTS = {
-    "motor_{}.rotor": r"rotor $\varphi$",
-    "shoulder_{}.angle": r"crank $\theta_1$",
-    "elbow_{}.angle": r"rod $\theta_2$",
+    "motor_{}.rotor": (r"$\varphi$", r"$\dot\varphi$"),
+    "shoulder_{}.angle": (r"$\theta_1$", r"$\dot\theta_1$"),
+    "elbow_{}.angle": (r"$\theta_2$", r"$\dot\theta_2$"),
 }
 
-Run = Mapping[str, np.ndarray]
 
-
-def joints(run: Run) -> Figure:
-    """Figure 4: positions on the left, rates on the right."""
-    figure = Figure(figsize=(WIDTH, 5.0), layout="constrained")
+def joints(run: fmbd.Run) -> Figure:
+    """Figure 4: rotor, crank and rod of each arm; positions on the left, rates on the right."""
+    figure = Figure(figsize=(WIDTH, 4.8), layout="constrained")
     axes = figure.subplots(len(JOINTS), 2, sharex=True)
-    for row, (name, label) in zip(axes, JOINTS.items(), strict=True):
-        for arm, style in ARMS.items():
-            coordinate = name.format(arm)
-            row[0].plot(run["time"], run[coordinate], label=f"{arm} arm", **style)
-            row[1].plot(run["time"], run[f"{coordinate}.rate"], **style)
-        row[0].set_ylabel(f"{label} [rad]")
-        row[1].set_ylabel(label.replace(r"$\varphi$", r"$\dot\varphi$").replace(r"\theta", r"\dot\theta") + " [rad/s]")
-    finish(figure, axes[-1])
+    for row, (name, (position, rate)) in zip(axes, JOINTS.items(), strict=True):
+        for arm, color in ARMS.items():
+            row[0].plot(run.time, run[name.format(arm)], color=color, label=f"{arm} arm")
+            row[1].plot(run.time, run[name.format(arm) + ".rate"], color=color)
+        row[0].set_ylabel(f"{position} [rad]")
+        row[1].set_ylabel(f"{rate} [rad/s]")
+    finish(figure, axes)
     return figure
 
 
-def deflections(run: Run) -> Figure:
-    """Figure 5: one column an arm, deflection above, slope below."""
+def deflections(run: fmbd.Run) -> Figure:
+    """Figure 5: deflection and slope at the tip of each rod."""
     figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
-    axes = figure.subplots(2, len(ARMS), sharex=True, sharey="row")
-    for column, (arm, style) in zip(axes.T, ARMS.items(), strict=True):
-        for ax, quantity in zip(column, ("deflection", "slope"), strict=True):
-            ax.plot(run["time"], 1e3 * run[f"rod_{arm}.end.{quantity}"], color=style["color"], linewidth=0.7)
-        column[0].set_title(f"{arm} rod", fontsize="medium")
+    axes = figure.subplots(2, 1, sharex=True, squeeze=False)
+    for arm, color in ARMS.items():
+        axes[0, 0].plot(run.time, 1e3 * run[f"rod_{arm}.end.deflection"], color=color, label=f"{arm} rod")
+        axes[1, 0].plot(run.time, 1e3 * run[f"rod_{arm}.end.slope"], color=color)
     axes[0, 0].set_ylabel("tip deflection $e_3$ [mm]")
     axes[1, 0].set_ylabel("tip slope $e_4$ [mrad]")
-    finish(figure, axes[-1])
+    finish(figure, axes)
     return figure
 
 
-def closure(run: Run) -> Figure:
-    """Figure 6: what the two ends of the rods miss each other by."""
-    figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
-    ax = figure.subplots()
-    gap = np.abs(run["rod_right.end.position"] - run["rod_left.end.position"])
-    for component, color, label in zip(gap.T, ("#0072B2", "#D55E00"), ("x", "y"), strict=True):
-        ax.semilogy(run["time"], component, color=color, linewidth=0.7, label=rf"$|\Phi_{label}|$")
-    ax.set_ylabel("constraint error [m]")
-    finish(figure, [ax])
+def closure(run: fmbd.Run) -> Figure:
+    """Figure 6: what the ends of the two rods miss each other by."""
+    figure = Figure(figsize=(WIDTH, 2.2), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True, squeeze=False)
+    gap = run["rod_right.end.position"] - run["rod_left.end.position"]
+    for ax, component, label in zip(axes[0], gap.T, "xy", strict=True):
+        ax.semilogy(run.time, np.abs(component), color="0.3", linewidth=0.6)
+        ax.set_ylabel(rf"$|\Phi_{label}|$ [m]")
+        ax.yaxis.set_tick_params(labelleft=True)
+    finish(figure, axes)
     return figure
 
 
-def finish(figure: Figure, bottom: "np.ndarray | list[Axes]") -> None:
-    """Time axes and one legend above."""
-    for ax in bottom:
+def finish(figure: Figure, axes: np.ndarray) -> None:
+    """Name the time axes of the bottom row, put the legend above all."""
+    for ax in axes[-1]:
         ax.set_xlabel("time [s]")
-        ax.margins(x=0.0)
-    figure.legend(loc="outside upper center", ncols=2) if figure.axes[0].get_legend_handles_labels()[0] else None
+    figure.align_ylabels(axes)
+    lines, labels = axes[0, 0].get_legend_handles_labels()
+    if labels:
+        figure.legend(lines, labels, loc="outside upper center", ncols=len(labels))
 
 
 def main() -> None:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fmbd.beams import modal
-from fmbd.beams.hermite import Array, interpolation
+from fmbd.beams.hermite import Array, Side, interpolation
 from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points
 
 Frame = Literal["clamped", "chord"]
@@ -71,13 +71,13 @@ class FloatingBeam:
         """S' at x [m], shaped as `shape`."""
         return self._evaluate(x, 1)
 
-    def curvature(self, x: ArrayLike) -> Array:
-        """S'' at x [m], shaped as `shape`; at an interior node that of the element on its right."""
-        return self._evaluate(x, 2)
+    def curvature(self, x: ArrayLike, side: Side = "right") -> Array:
+        """S'' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        return self._evaluate(x, 2, side)
 
-    def third_derivative(self, x: ArrayLike) -> Array:
-        """S''' at x [m], shaped as `shape`; at an interior node that of the element on its right."""
-        return self._evaluate(x, 3)
+    def third_derivative(self, x: ArrayLike, side: Side = "right") -> Array:
+        """S''' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        return self._evaluate(x, 3, side)
 
     def bending_stiffness(self, x: ArrayLike) -> Array:
         """EI [N m^2] at x [m], shaped as x; at a jump that on its right. ValueError off the beam."""
@@ -104,10 +104,10 @@ class FloatingBeam:
         """
         return modal.modal_basis(self.M, _stiffness_root(self.pieces, self.nodes, self.frame))
 
-    def _evaluate(self, x: ArrayLike, derivative: int) -> Array:
+    def _evaluate(self, x: ArrayLike, derivative: int, side: Side = "right") -> Array:
         x = np.asarray(x, float)
         self._check_on_beam(x)
-        values = _shapes(self.nodes, self.frame, x.ravel(), derivative)
+        values = _shapes(self.nodes, self.frame, x.ravel(), derivative, side)
         return values.reshape(*x.shape, -1)
 
     def _check_on_beam(self, x: Array) -> None:
@@ -162,8 +162,8 @@ def _kept(nodes: Array, frame: Frame) -> NDArray[np.intp]:
     return mesh[2:] if frame == "clamped" else np.delete(mesh, [0, -2])
 
 
-def _shapes(nodes: Array, frame: Frame, x: Array, derivative: int = 0) -> Array:
-    return interpolation(nodes, x, derivative)[:, _kept(nodes, frame)]
+def _shapes(nodes: Array, frame: Frame, x: Array, derivative: int = 0, side: Side = "right") -> Array:
+    return interpolation(nodes, x, derivative, side)[:, _kept(nodes, frame)]
 
 
 def _stiffness_root(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame) -> Array:

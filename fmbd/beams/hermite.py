@@ -8,10 +8,13 @@ On an element of length h, with s = xi/h in [0, 1], the deflection is
 A mesh of n elements has the 2(n+1) coordinates (w0, slope0, w1, slope1, ..., wn, slopen).
 """
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+Side = Literal["left", "right"]
 
 # Rows: powers s^0 .. s^3; columns: N1, N2/h, N3, N4/h. One table for each derivative with respect to s.
 _VALUE = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]])
@@ -37,15 +40,15 @@ def shape_functions(s: ArrayLike, h: ArrayLike, derivative: int = 0) -> Array:
     return N
 
 
-def interpolation(nodes: Array, x: ArrayLike, derivative: int = 0) -> Array:
+def interpolation(nodes: Array, x: ArrayLike, derivative: int = 0, side: Side = "right") -> Array:
     """Matrix from the mesh coordinates to the deflection, or a derivative of it, at positions x.
 
     nodes: increasing node positions [m], shape (n+1,).
-    x: positions [m], shape (points,); an interior node belongs to the element on its right.
+    x: positions [m], shape (points,); an interior node belongs to the element on its `side`.
     Returns shape (points, 2(n+1)).
     """
     x = np.asarray(x, float)
-    element = np.searchsorted(nodes[1:-1], x, side="right")
+    element = np.searchsorted(nodes[1:-1], x, side=side)
     h = nodes[element + 1] - nodes[element]
     matrix = np.zeros((x.size, 2 * len(nodes)))
     columns = 2 * element[:, None] + np.arange(4)

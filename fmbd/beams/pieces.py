@@ -5,8 +5,9 @@ from functools import cache
 from typing import Protocol
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
-from fmbd.beams.hermite import Array
+from fmbd.beams.hermite import Array, Side
 
 
 class BeamPiece(Protocol):
@@ -29,13 +30,19 @@ class BeamPiece(Protocol):
         """Coefficients [N m^2, N m, ...]."""
 
 
-def evaluate(pieces: Sequence[BeamPiece], name: str, x: Array) -> Array:
-    """The property `name` at positions x [m], shaped as x; a boundary belongs to the piece on its right."""
-    piece_at = np.searchsorted([piece.start for piece in pieces[1:]], x, side="right")
+def evaluate(
+    pieces: Sequence[BeamPiece], name: str, x: Array, derivative: int = 0, side: Side = "right"
+) -> Array:
+    """The property `name`, or a derivative, at positions x [m], shaped as x.
+
+    A boundary belongs to the piece on its `side`.
+    """
+    piece_at = np.searchsorted([piece.start for piece in pieces[1:]], x, side=side)
     value = np.empty(x.shape)
     for number, piece in enumerate(pieces):
         inside = piece_at == number
-        value[inside] = np.polynomial.polynomial.polyval(x[inside] - piece.start, getattr(piece, name))
+        coefficients = polyder(getattr(piece, name), derivative)
+        value[inside] = polyval(x[inside] - piece.start, coefficients)
     return value
 
 

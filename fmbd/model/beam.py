@@ -49,6 +49,7 @@ class Beam:
 
     `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, start, end and
     node0 to nodeN included; `pieces` cover the length; mass and stiffness are polynomials within each.
+    `youngs_modulus` [Pa] is None when the bending stiffness was given as a number.
     """
 
     type: ClassVar[str] = "beam"
@@ -59,6 +60,7 @@ class Beam:
     point_masses: dict[str, PointMass]
     damping: Damping
     pieces: tuple[BeamPiece, ...]
+    youngs_modulus: float | None
 
 
 class BeamEntry(Part):
@@ -99,7 +101,14 @@ class BeamEntry(Part):
             if name not in points:
                 reject(("point_masses", name), unknown("point", name, points))
         return Beam(
-            self.length, nodes, self.frame, points, self.point_masses, self.damping, self._properties()
+            self.length,
+            nodes,
+            self.frame,
+            points,
+            self.point_masses,
+            self.damping,
+            self._properties(),
+            self.material.youngs_modulus if self.material else None,
         )
 
     def _count_elements(self, context: Context) -> None:
@@ -145,7 +154,7 @@ class BeamEntry(Part):
     def _named_points(self, nodes: tuple[float, ...]) -> dict[str, float]:
         points = {"start": 0.0, "end": self.length} | {f"node{k}": x for k, x in enumerate(nodes)}
         for name, x in self.points.items():
-            if name in ("start", "end") or re.fullmatch(r"node[0-9]+", name):
+            if name in ("start", "end", "frame") or re.fullmatch(r"node[0-9]+", name):
                 reject(("points", name), f"the name '{name}' is kept for the beam's own points")
             if x > self.length * (1.0 + LENGTH_TOLERANCE):
                 reject(("points", name), f"lies off the beam: {x:g} m on a length of {self.length:g} m")

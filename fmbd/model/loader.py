@@ -39,8 +39,8 @@ def load_model_text(
 ) -> Model:
     """The model in a YAML text; `path` is the file it came from. Raises ModelError with all problems.
 
-    Tables are looked for among `files` (text by name), then in the folder of `path`, in the working directory when
-    there is none.
+    Tables are looked for among `files` (text by name), then in the folder of `path`, in the working directory
+    when there is none.
     """
     document = parse(text, "<text>" if path is None else str(path))
     path = None if path is None else Path(path)

@@ -27,8 +27,8 @@ class Model:
     """A planar mechanism as its file describes it, all names resolved, all numbers in SI units.
 
     Parts are in dictionaries by name, in file order. `text` is the YAML source, `path` its file (None for a
-    text), `overrides` what was changed since, by path. Changed copies come from `with_`. `files` holds the text of
-    the tables that the model names, by name, as they were when the model was first read.
+    text), `overrides` what was changed since, by path. Changed copies come from `with_`. `files`
+    holds the text of the tables that the model names, by name, as they were when the model was first read.
     """
 
     fmbd: int

@@ -16,6 +16,9 @@ from fmbd.planar.pathways import pathways
 from fmbd.planar.recursion import joint_direction, outer_acceleration, solve
 from fmbd.planar.signals import evaluate_signals
 
+# of the distance from the world's origin: errors of a place that is computed along a chain of bodies
+_ROUND_OFF = 4e-15
+
 
 @part
 def accelerations(
@@ -154,7 +157,7 @@ def constraint_errors(sys: Any, work: Any, t: float, q: np.ndarray, v: np.ndarra
 def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tolerance: float) -> int:
     """Move q, then v, onto the constraints, by the least change in the metric of the mass matrix.
 
-    Newton with M dq - Phi_q^T mu = 0, Phi_q dq = -Phi until |Phi| <= tolerance (at most 8 times), then once for
+    Newton with M dq - Phi_q^T mu = 0, Phi_q dq = -Phi until |Phi| <= tolerance, or round-off (at most 8 times), then once for
     the velocities (their equations are linear). Returns the Newton steps taken, or -1 if they did not converge.
     """
     if sys.constraints.size == 0:
@@ -171,7 +174,7 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
             value, _, _ = constraint(sys.constraints[c], work.lengths, work.signal)
             work.reactions[c].target = -value
             worst = max(worst, abs(value))
-        if worst <= tolerance:
+        if worst <= tolerance or worst <= _ROUND_OFF * _reach(work.points):
             break
         if taken == 8 or not worst < 1e300:
             return -1
@@ -188,6 +191,16 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
     for k in range(n):
         v[k] += step[k]
     return taken
+
+
+@part
+def _reach(points: Any) -> float:
+    """The largest coordinate [m or rad] of a station: differences of places are no better than its round-off."""
+    reach = 0.0
+    for k in range(points.size):
+        p = points[k]
+        reach = max(reach, max(abs(p.x), max(abs(p.y), abs(p.angle))))
+    return reach
 
 
 @part

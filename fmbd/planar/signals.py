@@ -31,6 +31,8 @@ import numpy as np
 
 from fmbd.planar.compile import compiled, part
 
+#: A jump comes this much early, relative to the time and to 1 s.
+EARLY = 2e-15
 CONSTANT, STEP, RAMP, SMOOTH_STEP, SINE, PULSE, EXPRESSION, TABLE = range(8)
 OPERATIONS = (
     "const t add sub mul div pow neg sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt abs min max hypot "
@@ -92,7 +94,8 @@ def evaluate_signals(
             out[1] = p[0] * w * cos(w * t + p[2])
             out[2] = -p[0] * w * w * sin(w * t + p[2])
         elif g.kind == PULSE:
-            age = t - p[0]
+            # edges are counted as sums of periods: the round-off of the sum must not hide one
+            age = t - p[0] + EARLY * max(1.0, abs(t))
             if age >= 0.0 and p[4] > 0.0:
                 age -= floor(age / p[4]) * p[4]
             out[0] = p[3] + p[2] if 0.0 <= age < p[1] else p[3]

@@ -31,6 +31,7 @@ class Archive:
     status: `running`, `complete` or `stopped: reason`
     attributes: root attributes (versions, command, started [UTC], wall_time [s], model_sha256, ...)
     model_text: YAML text of the model as run
+    model_file: name of the file that it came from, None when it is not known
     model_files: text of the tables that the model names, by name
     statistics: counters of the solver
     coordinates, constraints, state_names: names of the columns of position, multipliers and states
@@ -57,6 +58,7 @@ class Archive:
         self.model_files: dict[str, str] = {
             table.attrs["name"]: table.asstr()[()] for table in file["model_files"].values()
         }
+        self.model_file = str(attributes["model_file"]) if "model_file" in attributes else None
         self.statistics = _plain(file["statistics"].attrs)
         self.coordinates, self.constraints, self.state_names = (
             tuple(results[scale].asstr()[:]) for scale in ("coordinate", "constraint", "state")

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from fmbd.results.layout import MATRICES, Columns, Value
+from fmbd.results.layout import ENERGIES, MATRICES, Columns, Value
 
 Array = NDArray[np.float64]
 
@@ -36,29 +36,45 @@ class Source(Protocol):
 
 
 class Recording:
-    """Collects blocks of results; columns and units as for `archive.ArchiveWriter`."""
+    """Collects the blocks of a run; arguments as for `archive.ArchiveWriter`."""
 
-    def __init__(
-        self, coordinates: Columns, constraints: Columns, states: Columns, scalars: Columns
-    ) -> None:
+    def __init__(self, coordinates: Columns, constraints: Columns, states: Columns, extra: Columns) -> None:
         self.status = "running"
         self.statistics: dict[str, Value] = {}
         columns = {"coordinate": coordinates, "constraint": constraints, "state": states}
         self.coordinates, self.constraints, self.state_names = (
-            tuple(name for name, _ in columns[scale]) for scale in columns
+            tuple(name for name, _ in given) for given in columns.values()
         )
-        self.units: dict[str, str | tuple[str, ...]] = dict([("time", "s"), *scalars])
-        for name, (scale, per) in MATRICES.items():
-            self.units[name] = tuple(unit + per for _, unit in columns[scale])
+        self.units: dict[str, str | tuple[str, ...]] = {
+            name: tuple(unit + per for _, unit in columns[scale]) for name, (scale, per) in MATRICES.items()
+        }
+        self.units |= {"time": "s", **{f"energy/{name}": "J" for name in ENERGIES}, **dict(extra)}
         self._blocks: dict[str, list[Array]] = {
-            name: [np.empty((0,) if isinstance(unit, str) else (0, len(unit)))]
+            name: [np.empty(0 if isinstance(unit, str) else (0, len(unit)))]
             for name, unit in self.units.items()
         }
 
-    def write(self, results: Mapping[str, ArrayLike]) -> None:
-        """Append a block of steps: all results by name."""
-        for name, blocks in self._blocks.items():
-            blocks.append(np.asarray(results[name], np.float64))
+    def write(
+        self,
+        time: Array,
+        position: Array,
+        velocity: Array,
+        acceleration: Array,
+        multipliers: Array,
+        states: Array,
+        energy: Mapping[str, Array],
+        extra: Mapping[str, Array],
+    ) -> None:
+        """Append a block of k steps; shapes (k,) or (k, n)."""
+        matrices = (position, velocity, acceleration, multipliers, states)
+        given = {"time": time, **dict(zip(MATRICES, matrices, strict=True)), **extra}
+        given |= {f"energy/{name}": values for name, values in energy.items()}
+        for name, values in given.items():
+            self._blocks[name].append(values)
+
+    def finish(self, status: str, statistics: Mapping[str, Value]) -> None:
+        """Record how the run ended."""
+        self.status, self.statistics = status, dict(statistics)
 
     @property
     def time(self) -> Array:
@@ -66,7 +82,7 @@ class Recording:
         return self.result("time")
 
     def result(self, name: str) -> Array:
-        """Return results by their name, shape (nt,) or (nt, n)."""
+        """Return results by their name, `position` or `energy/kinetic`; shape (nt,) or (nt, n)."""
         blocks = self._blocks[name]
         if len(blocks) > 1:
             blocks[:] = [np.concatenate(blocks)]

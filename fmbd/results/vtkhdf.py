@@ -17,7 +17,7 @@ from fmbd.results import blocks
 
 Indices = NDArray[np.int64]
 
-KINDS = ("joint", "beam", "rigid body")
+KINDS = ("joint", "beam", "rigid body", "ground point", "spring")
 
 TOPOLOGIES = ("Vertices", "Lines", "Polygons", "Strips")
 

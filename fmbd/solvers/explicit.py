@@ -17,6 +17,7 @@ import numpy as np
 
 from fmbd.planar.compile import compiled, inner, part
 from fmbd.planar.equations import derivatives, project
+from fmbd.planar.signals import EARLY
 
 RUNNING, NO_INERTIA, OFF_CONSTRAINTS, STEP_TOO_SMALL = range(4)
 #: What the value of f will serve for.
@@ -151,8 +152,8 @@ def _begin(tableau: Any, mem: Any, breaks: np.ndarray, options: Any) -> None:
         count[BREAK] += 1
         count[FRESH] = 1
     # inside a step the inputs are those before the next jump
-    clock[BEFORE_BREAK] = np.nextafter(breaks[count[BREAK]], -np.inf)
     clock[END] = breaks[count[BREAK]]
+    clock[BEFORE_BREAK] = clock[END] - 4.0 * EARLY * max(1.0, clock[END])
     if count[FRESH] == 1:
         count[PHASE] = AT_START
     else:

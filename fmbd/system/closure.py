@@ -76,11 +76,15 @@ class RigidMechanism:
     def _coordinate(
         self, joint: str, direction: str, position: Array, angle: Array, jacobian: Array
     ) -> tuple[float, Array]:
-        """A joint's coordinate and its gradient (nq+1,), from the two stations that it joins."""
+        """A joint's coordinate and its gradient (nq+1,), from the two stations that it joins.
+
+        The angle of a cut joint is found up to full turns; the start says from which it is counted.
+        """
         part = self.lowered.model.joints[joint]
         a, b = (self.lowered.stations[ref.body, ref.point] for ref in part.between)
         if direction == "angle":
-            return angle[b] - angle[a], jacobian[b, 2] - jacobian[a, 2]
+            turn = self.lowered.turns.get(joint, 0.0)
+            return angle[b] - angle[a] - turn, jacobian[b, 2] - jacobian[a, 2]
         c, s = np.cos(angle[a]), np.sin(angle[a])
         ex, ey = part.axis[0] * c - part.axis[1] * s, part.axis[0] * s + part.axis[1] * c
         if direction == "y":

@@ -49,7 +49,8 @@ class Lowered:
     springs: list[tuple[int, float, float, float]] = field(default_factory=list)
     spring_names: list[str] = field(default_factory=list)
     rest_at_start: list[int] = field(default_factory=list)
-    cut_angles: list[int] = field(default_factory=list)  # pathways whose start value lies in (-pi, pi]
+    cut_angles: list[tuple[int, str]] = field(default_factory=list)  # pathways that follow a cut joint's angle
+    turns: dict[str, float] = field(default_factory=dict)  # what the angle of a cut joint is counted from
     relaxed: list[int] = field(default_factory=list)  # pathways that are zero at the start
     planar: Planar = None  # type: ignore[assignment]
 
@@ -75,14 +76,25 @@ class Lowered:
         """Index of the pathway that is the sum of these terms."""
         key = tuple(terms)
         if key not in self.pathways:
-            self.pathways[key] = len(self.terms)
-            self.terms.append(terms)
-            for kind, a, b, _, _ in terms:
-                if kind == ANGLE:
-                    self.turning |= {a, b}
-                elif kind in (ALONG_X, ALONG_Y):
-                    self.turning.add(a)
+            self.pathways[key] = self.own_pathway(terms)
         return self.pathways[key]
+
+    def own_pathway(self, terms: list[Term]) -> int:
+        """As `pathway`, but shared with none: the terms of a constraint know its column."""
+        self.terms.append(terms)
+        for kind, a, b, _, _ in terms:
+            if kind == ANGLE:
+                self.turning |= {a, b}
+            elif kind in (ALONG_X, ALONG_Y):
+                self.turning.add(a)
+        return len(self.terms) - 1
+
+    def joint_pathway(self, name: str, direction: str, coefficient: float = 1.0) -> int:
+        """Index of the pathway that is a joint's coordinate times a number."""
+        path = self.pathway([self.joint_term(name, direction, coefficient)])
+        if name in self.tree.cut and direction == "angle":
+            self.cut_angles.append((path, name))
+        return path
 
     def joint_term(self, name: str, direction: str, coefficient: float = 1.0) -> Term:
         """A joint's coordinate: the second point seen from the first."""
@@ -192,11 +204,9 @@ def _joints(out: Lowered) -> None:
         for direction in sorted({*joint.spring, *joint.friction}):
             spring = joint.spring.get(direction)
             k, d, rest = (spring.stiffness, spring.damping, spring.rest) if spring else (0.0, 0.0, 0.0)
-            path = out.pathway([out.joint_term(name, direction)])
+            path = out.joint_pathway(name, direction)
             out.springs.append((path, k, d + joint.friction.get(direction, 0.0), rest))
             out.spring_names.append(f"{name}.{direction}")
-            if name in out.tree.cut and direction == "angle":
-                out.cut_angles.append(path)
 
 
 def place_point(model: Model, name: str) -> tuple[str, str]:
@@ -225,11 +235,10 @@ def _motors(out: Lowered) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     for name, motor in out.model.motors.items():
         direction = motor_coordinate(out.model, motor)
         ratio = motor.gear_ratio
-        joint_path = out.pathway([out.joint_term(motor.joint, direction)])
-        if motor.joint in out.tree.cut and direction == "angle":
-            out.cut_angles.append(joint_path)
-        shaft = out.pathway([out.joint_term(motor.joint, direction, ratio)])
-        if has_rotor(motor):
+        joint_path = out.joint_pathway(motor.joint, direction)
+        if not has_rotor(motor):
+            shaft = out.joint_pathway(motor.joint, direction, ratio)
+        else:
             rotor = _rotor_term(out, name, motor, 1.0)
             shaft = out.pathway([rotor])
             if motor.transmission is not None:
@@ -368,17 +377,17 @@ def _constraints(out: Lowered) -> list[tuple[int, int]]:
                 terms = [(kind, a, b, (1.0, 0.0), -1.0)]
             else:
                 terms = [out.joint_term(name, direction, -1.0)]
-            path = out.pathway(terms)
+            path = out.own_pathway(terms)
             driver = out.signals.add(joint.driven[direction]) if direction in joint.driven else -1
             constraints.append((path, driver))
             out.constraints.append((f"{name}.{direction}", "N m" if direction == "angle" else "N"))
             if direction == "angle":
-                out.cut_angles.append(path)
+                out.cut_angles.append((path, name))
     for name, motor in out.model.motors.items():
         if has_rotor(motor) and motor.transmission is None:
             rotor = _rotor_term(out, name, motor, 1.0)
             direction = motor_coordinate(out.model, motor)
-            gear = out.pathway([rotor, out.joint_term(motor.joint, direction, -motor.gear_ratio)])
+            gear = out.own_pathway([rotor, out.joint_term(motor.joint, direction, -motor.gear_ratio)])
             constraints.append((gear, -1))
             out.constraints.append((f"{name}.gear", "N m"))
             out.relaxed.append(gear)

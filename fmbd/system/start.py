@@ -40,7 +40,7 @@ def solve_start(lowered: Lowered, reference: Any) -> Start:
     mechanism = RigidMechanism(lowered, reference)
     remarks: list[str] = []
     q = _position(lowered, mechanism, remarks)
-    _set_branches(lowered, reference, q)
+    _set_branches(lowered, mechanism, reference, q)
     q = _relax_rotors(lowered, mechanism, reference, q)
     v = _rates(lowered, mechanism, reference, q)
     if lowered.planar.pathways.size:
@@ -128,15 +128,20 @@ def _unreachable(lowered: Lowered, closure: Closure, joints: bool, places: bool)
     return error
 
 
-def _set_branches(lowered: Lowered, reference: Any, q: Array) -> None:
-    """Count angles in cut joints from the turn that is nearest to zero at the start."""
-    if not lowered.cut_angles:
-        return
-    values, _ = reference.pathways(q, 0.0)
-    for index in set(lowered.cut_angles):
+def _set_branches(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array) -> None:
+    """Count the angle of a cut joint from the turn that brings it nearest to what drives it, is given or hinted, or 0."""
+    initial = lowered.model.initial
+    given = _by_coordinate(initial.hints) | _by_coordinate(initial.joints)
+    for joint in lowered.tree.cut:
+        drive = lowered.model.joints[joint].driven.get("angle")
+        near = given.get((joint, "angle"), 0.0)
+        if drive is not None:
+            near = reference.signal(lowered.signals.add(drive), 0.0)[0]
+        angle = mechanism.coordinate(q, joint, "angle")[0]
+        lowered.turns[joint] = float(2.0 * np.pi * np.round((angle - near) / (2.0 * np.pi)))
+    for index, joint in lowered.cut_angles:
         path = lowered.planar.pathways[index]
-        scale = abs(lowered.planar.terms[path.term0].coefficient)
-        path.offset = -2.0 * np.pi * scale * np.round(values[index] / (2.0 * np.pi * scale))
+        path.offset = -lowered.planar.terms[path.term0].coefficient * lowered.turns[joint]
 
 
 def _rotors(lowered: Lowered) -> list[tuple[int, float, str, str]]:

@@ -52,17 +52,18 @@ class Run:
         return np.array(out)
 
 
-def load(name, **overrides):
-    """A model of models/, with changes: path with `__` for dots -> value."""
-    return load_model(MODELS / name, {path.replace("__", "."): value for path, value in overrides.items()})
+def load(name, changes=None):
+    """A model of models/, with changes {path: value}."""
+    return load_model(MODELS / name, changes)
 
 
-def simulate(name, **overrides):
-    return Run(load(name, **overrides))
+def simulate(name, changes=None):
+    """The run of a model of models/, with changes {path: value}."""
+    return Run(load(name, changes))
 
 
 def at(run, times):
-    """Rows of a run at the given times, which must be output times."""
+    """Rows of a run at the given times [s], which must be output times."""
     rows = np.searchsorted(run.time, np.asarray(times) - 1e-9)
     assert np.abs(run.time[rows] - times).max() < 1e-9, "not an output time"
     return rows

@@ -1,0 +1,7 @@
+"""`python -m fmbd` is the command `fmbd`."""
+
+import sys
+
+from fmbd.cli import main
+
+sys.exit(main())

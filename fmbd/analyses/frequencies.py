@@ -1,0 +1,63 @@
+"""Natural frequencies of an assembled mechanism, and the steps that they ask of explicit methods.
+
+Small undamped motions about a position at rest, with the stiffness of beams and springs alone: gravity, preloads and
+controllers are left out, and so is what they add to the stiffness (geometric stiffness).
+
+    M    mass matrix, Cholesky factor L          A    Phi_q L^-T: constraints on x = L^T q
+    G    square root of the stiffness, K = G^T G R    orthonormal basis of the motions x that A allows
+
+Elastic coordinates are modal here, so that G is exact: the singular values of G L^-T R are the frequencies
+themselves, and low ones are not lost beside high ones, as they would be in the eigenvalues of K.
+"""
+
+import numpy as np
+
+from fmbd.analyses.structure import independent_rows
+from fmbd.solvers.tableau import Tableau
+from fmbd.system import System
+
+Array = np.ndarray
+
+#: A frequency below this share of the highest is zero to round-off.
+_ROUND_OFF = 1e-9
+
+
+def natural_frequencies(system: System, q: Array | None = None, t: float = 0.0) -> Array:
+    """Natural frequencies [Hz], ascending, shape (degrees of freedom,).
+
+    q: nodal coordinates (nq,), default: the start. Motions that no spring opposes have the frequency 0.
+    Raises numpy.linalg.LinAlgError if a coordinate moves no mass.
+    """
+    q = system.start.q if q is None else np.asarray(q, float)
+    planar, reference = system.planar, system.reference
+    basis = system.to_nodal(np.eye(planar.nq)).T  # columns: modal coordinates in nodal ones
+    bodies, stations = reference.frames(q, t)
+    rows = reference.lengths(stations)[:, 1:-1] @ basis
+    M = basis.T @ reference.inertia.mass_matrix(bodies, np.append(q, t))[:-1, :-1] @ basis
+    springs = planar.springs
+    G = np.vstack([_of_beams(system), np.sqrt(springs["k"])[:, None] * rows[springs["pathway"]]])
+
+    L = np.linalg.cholesky(M)
+    A = np.linalg.solve(L, rows[planar.constraints["pathway"]].T)
+    kept = A[:, independent_rows(A.T)]
+    R = np.linalg.qr(kept, mode="complete")[0][:, kept.shape[1] :]
+    omega = np.linalg.svd(np.linalg.solve(L, G.T).T @ R, compute_uv=False)[::-1]
+    omega[omega < _ROUND_OFF * omega.max(initial=0.0)] = 0.0
+    return np.concatenate([np.zeros(R.shape[1] - omega.size), omega]) / (2.0 * np.pi)
+
+
+def longest_step(tableau: Tableau, frequency: float) -> float:
+    """Step [s] at which an explicit method begins to blow up an undamped vibration of `frequency` [Hz]."""
+    s = tableau.b.size
+    y = np.linspace(0.0, 10.0, 2001)
+    stages = np.eye(s) - 1j * y[:, None, None] * tableau.a[:s, :s]
+    growth = np.abs(1.0 + 1j * y * (np.linalg.solve(stages, np.ones((y.size, s, 1)))[..., 0] @ tableau.b))
+    return float(y[np.argmax(growth > 1.0 + 1e-6)] / (2.0 * np.pi * frequency))
+
+
+def _of_beams(system: System) -> Array:
+    """Rows of G for the modes of the beams: their own frequencies [rad/s]."""
+    omega = np.zeros(system.planar.nq)
+    for i, omega2 in system.lowered.omega2.items():
+        omega[system.reference.inertia.elastic[i]] = np.sqrt(omega2)
+    return np.diag(omega)[system.elastic]

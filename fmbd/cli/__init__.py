@@ -1,0 +1,71 @@
+"""The command line, `fmbd COMMAND ...`: one file for each command, heavy imports inside them."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+from fmbd import __version__
+from fmbd.cli import check, export, info, matrices, run, schema
+from fmbd.cli.common import BAD_INPUT, INTERRUPTED
+from fmbd.errors import ModelError, UnknownQuantity
+
+COMMANDS = (check, run, info, export, matrices, schema)
+PIPE_CLOSED = 141
+
+EPILOG = """\
+exit codes: 0 done, 1 a run stopped before its end (its archive is kept), 2 bad input, 130 interrupted
+
+  fmbd check models/five_bar.yaml                        what the model is, and whether it is what was meant
+  fmbd run models/five_bar.yaml                          simulate it; the results are in five-bar.vtkhdf
+  fmbd export five-bar.vtkhdf tip.csv -q rod_right.end.position
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code. SystemExit for a command line that cannot be understood."""
+    args = _parser().parse_args(argv)
+    try:
+        code: int = args.command(args)
+        sys.stdout.flush()
+        return code
+    except _foreseen() as error:
+        print(_in_words(error), file=sys.stderr)
+        return BAD_INPUT
+    except BrokenPipeError:
+        # the reader of our output, `head` perhaps, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return PIPE_CLOSED
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="fmbd",
+        description="Planar flexible multibody dynamics: a YAML model in, an HDF5 archive for ParaView out.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"fmbd {__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        command.add(commands)
+    return parser
+
+
+def _foreseen() -> tuple[type[Exception], ...]:
+    """Errors that are answered by one line; looked up when there is one, as ArchiveError brings h5py."""
+    if sys.exc_info()[0] is BrokenPipeError:
+        return ()
+    from fmbd.results.archive import ArchiveError
+
+    return ModelError, ArchiveError, UnknownQuantity, OSError
+
+
+def _in_words(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)

@@ -1,0 +1,152 @@
+"""Where bodies and points are over time, how they move, from the coordinates and their rates.
+
+A jet is a quantity with its first two derivatives by time: an array (3, nt). Points of the plane are complex
+numbers x + iy, so that turning by an angle is multiplying by exp(i angle).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmbd.system import System
+from fmbd.system.bodies import DIRECTIONS
+
+Array = NDArray[np.float64]
+Jet = NDArray[np.float64]
+PlaneJet = NDArray[np.complex128]
+
+
+def product(a: PlaneJet, b: PlaneJet) -> PlaneJet:
+    """The jet of a b."""
+    return np.stack([a[0] * b[0], a[1] * b[0] + a[0] * b[1], a[2] * b[0] + 2.0 * a[1] * b[1] + a[0] * b[2]])
+
+
+def turn(angle: Jet) -> PlaneJet:
+    """The jet of exp(i angle)."""
+    e = np.exp(1j * angle[0])
+    return np.stack([e, 1j * angle[1] * e, (1j * angle[2] - angle[1] ** 2) * e])
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """A frame over time: jets of its place [m] and of its angle [rad]."""
+
+    place: PlaneJet
+    angle: Jet
+
+    def seen_from(self, other: "Track") -> "Track":
+        """This frame in the axes of another."""
+        return Track(product(turn(-other.angle), self.place - other.place), self.angle - other.angle)
+
+    def followed_by(self, local: "Track") -> "Track":
+        """A frame that is `local` in the axes of this one."""
+        return Track(self.place + product(turn(self.angle), local.place), self.angle + local.angle)
+
+
+class Motion:
+    """Tracks of all bodies and points of a system at times [s] (nt,), with nodal q, q', q'' (nt, nq)."""
+
+    def __init__(
+        self, system: System, time: Array, position: Array, velocity: Array, acceleration: Array
+    ) -> None:
+        self.system = system
+        self.time = time
+        self._jets = np.stack([position, velocity, acceleration])
+        self._frames = {"ground": self._still(0.0, 0.0)}
+        for link in system.tree.links:
+            if link.joint is not None:
+                self._frames[link.name] = self._place_body(link.name)
+
+    def frame(self, body: str) -> Track:
+        """The frame of a body, of a beam its floating frame."""
+        return self._frames[body]
+
+    def point(self, body: str, point: str) -> Track:
+        """A point of a body or of the ground, with its axes; that of a beam turns with its slope."""
+        return self._frames[body].followed_by(self._local(body, point))
+
+    def joint(self, name: str) -> Track:
+        """The second point of a joint seen from the first: x + iy along the joint's axes, angle.
+
+        The angle of a joint that closes a loop is counted as at the start.
+        """
+        joint = self.system.model.joints[name]
+        first, second = (self.point(*ref) for ref in joint.between)
+        seen = second.seen_from(first)
+        seen.angle[0] -= self.system.lowered.turns.get(name, 0.0)
+        return Track(seen.place * complex(joint.axis[0], -joint.axis[1]), seen.angle)
+
+    def beam_points(self, body: str, x: Array) -> NDArray[np.complex128]:
+        """Points of the deflected axis of a beam at positions x [m] (n,), shape (nt, n)."""
+        index = self.system.lowered.body_index[body]
+        local = x + 1j * (self._elastic(index)[0] @ self.system.beams[index].shape(x).T)
+        return self.fixed_points(body, local)
+
+    def fixed_points(self, body: str, local: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Points given in the frame of a body, shape (n,) or (nt, n), in the world, shape (nt, n)."""
+        frame = self._frames[body]
+        return frame.place[0][:, None] + np.exp(1j * frame.angle[0])[:, None] * local
+
+    def elastic(self, body: str) -> Array:
+        """Nodal elastic coordinates of a beam, shape (nt, nf)."""
+        return self._elastic(self.system.lowered.body_index[body])[0]
+
+    def _place_body(self, name: str) -> Track:
+        """The frame of a body from the point that its joint holds it at, and the joint's coordinates."""
+        lowered = self.system.lowered
+        index = lowered.body_index[name]
+        link = self.system.tree.links[index]
+        outer = self.point(*lowered.outer_point(link))
+        inner = self._local(*lowered.inner_point(link))
+        x, y, angle = (self._coordinate(index, d) for d in range(len(DIRECTIONS)))
+        axis = complex(*self.system.model.joints[link.joint].axis)
+        joint = Track((x + 1j * y) * axis, angle)
+        if link.forward:
+            held = outer.followed_by(joint)
+        else:
+            # the axes of the joint are those of the body that it carries
+            own = outer.angle - angle
+            held = Track(outer.place - product(turn(own), joint.place), own)
+        theta = held.angle - inner.angle
+        return Track(held.place - product(turn(theta), inner.place), theta)
+
+    def _coordinate(self, body: int, d: int) -> Jet:
+        """Free, prescribed or zero: a coordinate of the joint that carries a body."""
+        record = self.system.planar.bodies[body]
+        if record.coordinate[d] >= 0:
+            return self._jets[:, :, record.coordinate[d]]
+        if record.driver[d] >= 0:
+            return self._signals[:, record.driver[d]].T
+        return np.zeros((3, len(self.time)))
+
+    def _local(self, body: str, point: str) -> Track:
+        """A point in the frame of its body."""
+        model = self.system.model
+        if body == "ground":
+            place = model.ground.points[point]
+            return self._still(complex(*place.at), place.angle)
+        part = model.bodies[body]
+        if part.type == "rigid":
+            place = part.points[point]
+            return self._still(complex(*place.at), place.angle)
+        index = self.system.lowered.body_index[body]
+        beam, elastic, x = self.system.beams[index], self._elastic(index), part.points[point]
+        along = self._still(x, 0.0).place
+        return Track(along + 1j * (elastic @ beam.shape(x)), elastic @ beam.slope(x))
+
+    def _elastic(self, body: int) -> Array:
+        """Jets of the elastic coordinates of a beam, shape (3, nt, nf)."""
+        record = self.system.planar.bodies[body]
+        return self._jets[:, :, record.first_q : record.first_q + record.nf]
+
+    def _still(self, place: complex, angle: float) -> Track:
+        track = Track(np.zeros((3, len(self.time)), complex), np.zeros((3, len(self.time))))
+        track.place[0], track.angle[0] = place, angle
+        return track
+
+    @cached_property
+    def _signals(self) -> Array:
+        """Value and two derivatives of every signal, shape (nt, signals, 3)."""
+        return np.array([self.system.reference.signals(t) for t in self.time])

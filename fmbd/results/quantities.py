@@ -1,0 +1,232 @@
+"""What a run can be asked for: the names of all quantities, their units, and how they follow from the results.
+
+<coordinate>, .rate, .acceleration              generalised coordinates: `elbow.angle`, `rod.w1`, `motor.rotor`;
+<joint>.<x|y|angle>, .rate, .acceleration       all other joint coordinates too: of loops, driven ones
+<body>.<point>.position, velocity, acceleration         in the world, columns x and y; of the ground's points too
+<body>.<point>.angle, angular_velocity, angular_acceleration    of the point's axes (a beam's turn with its slope)
+<beam>.frame...                                 the same of its floating frame; <body>.angle ... for short
+<joint>.force, .moment                          what the joint's constraints put on the body of its first point,
+                                                in world axes and about that point; springs, friction and motors
+                                                in the joint are not in it, the effort of a driven coordinate is
+<joint>.<x|y>.driving_force, .angle.driving_moment      effort that moves a driven coordinate, positive along it
+<beam>.deflection, slope                        w and w' in the floating frame, at the nodes; <beam>.<point>....
+<beam>.bending_moment, shear_force, stress      EI w'', (EI w'')' and the stress -E h/2 w'' in the fibre y = h/2
+<motor>.voltage, current, torque                input, armature current, torque on the rotor's shaft
+<motor>.transmission_torque                     torque (or force) of the gear or elastic shaft on the joint
+<spring>.length or angle, rate, force or moment positive where it pulls its points together (or angle back)
+energy.<name>, multipliers.<name>, constraint_error, velocity_constraint_error, time, <first-order state>
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmbd.beams import FloatingBeam
+from fmbd.beams.bending import bending_moment, shear_force, upper_stress
+from fmbd.errors import UnknownQuantity
+from fmbd.model import Beam, Model
+from fmbd.model.names import closest
+from fmbd.results.layout import MATRICES
+from fmbd.results.recording import Source
+
+if TYPE_CHECKING:
+    from fmbd.results.motion import Track
+    from fmbd.results.run import Run
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Unit, rule, and what the columns are of a quantity of shape (nt, n); none for shape (nt,)."""
+
+    unit: str
+    compute: "Callable[[Run], Array]"
+    columns: tuple[str, ...] = ()
+
+
+Named = Iterator[tuple[str, Quantity]]
+
+
+def quantities(model: Model, source: Source) -> dict[str, Quantity]:
+    """All quantities of a run by name; what is archived is not computed again."""
+    found = dict(_archived(source))
+    for name, quantity in _computed(model):
+        found.setdefault(name, quantity)
+    return found
+
+
+def unknown_quantity(name: str, known: Mapping[str, Quantity], model: Model) -> UnknownQuantity:
+    """The error for a name that is not among the known ones, with the nearest that is."""
+    part, _, rest = name.partition(".")
+    beam = model.bodies.get(part)
+    if rest.rpartition(".")[2] == "stress" and isinstance(beam, Beam):
+        return UnknownQuantity(f"no quantity '{name}': beam '{part}' has no section with a height")
+    own = [candidate for candidate in known if candidate.startswith(f"{part}.")]
+    near = closest(name, own or known)
+    hint = f", did you mean '{near}'?" if near else " (run.names lists all names)"
+    return UnknownQuantity(f"no quantity '{name}'{hint}")
+
+
+def _archived(source: Source) -> Named:
+    yield "time", Quantity("s", lambda run: run.time)
+    for k, name in enumerate(source.coordinates):
+        for matrix, suffix in (("position", ""), ("velocity", ".rate"), ("acceleration", ".acceleration")):
+            yield name + suffix, Quantity(source.units[matrix][k], partial(_column, matrix, k))
+    for k, name in enumerate(source.state_names):
+        yield name, Quantity(source.units["states"][k], partial(_column, "states", k))
+    for k, name in enumerate(source.constraints):
+        yield (
+            f"multipliers.{name}",
+            Quantity(source.units["multipliers"][k], partial(_column, "multipliers", k)),
+        )
+    for name in source.units.keys() - MATRICES.keys() - {"time"}:
+        yield name.replace("/", "."), Quantity(str(source.units[name]), partial(_scalar, name))
+
+
+def _column(matrix: str, k: int, run: "Run") -> Array:
+    return getattr(run, matrix)[:, k]
+
+
+def _scalar(name: str, run: "Run") -> Array:
+    return run.source.result(name)
+
+
+def _computed(model: Model) -> Named:
+    for name in model.joints:
+        yield from _joint(model, name)
+    for point in model.ground.points:
+        yield from _track(f"ground.{point}", partial(_point, "ground", point))
+    for name, body in model.bodies.items():
+        for point in body.points:
+            yield from _track(f"{name}.{point}", partial(_point, name, point))
+        frame = partial(_frame, name)
+        yield from _angles(name, frame)
+        if isinstance(body, Beam):
+            yield from _track(f"{name}.frame", frame)
+            yield from _beam(name, body)
+    for name in model.motors:
+        yield from _motor(model, name)
+    for name in model.springs:
+        yield from _spring(model, name)
+
+
+TrackOf = Callable[["Run"], "Track"]
+Rows = Callable[[FloatingBeam, Array], Array]
+
+
+def _point(body: str, point: str, run: "Run") -> "Track":
+    return run.motion.point(body, point)
+
+
+def _frame(body: str, run: "Run") -> "Track":
+    return run.motion.frame(body)
+
+
+def _track(name: str, track: TrackOf) -> Named:
+    for k, (quantity, unit) in enumerate((("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2"))):
+        yield f"{name}.{quantity}", Quantity(unit, partial(_place, track, k), ("x", "y"))
+    yield from _angles(name, track)
+
+
+def _angles(name: str, track: TrackOf) -> Named:
+    turning = (("angle", "rad"), ("angular_velocity", "rad/s"), ("angular_acceleration", "rad/s^2"))
+    for k, (quantity, unit) in enumerate(turning):
+        yield f"{name}.{quantity}", Quantity(unit, partial(_turning, track, k))
+
+
+def _place(track: TrackOf, k: int, run: "Run") -> Array:
+    return vectors(track(run).place[k])
+
+
+def _turning(track: TrackOf, k: int, run: "Run") -> Array:
+    return track(run).angle[k]
+
+
+def vectors(plane: NDArray[np.complex128]) -> Array:
+    """x and y of complex numbers (nt,), shape (nt, 2)."""
+    return np.stack([plane.real, plane.imag], axis=-1)
+
+
+def _joint(model: Model, name: str) -> Named:
+    joint = model.joints[name]
+    for direction in joint.coordinates:
+        unit = "rad" if direction == "angle" else "m"
+        for k, (suffix, per) in enumerate((("", ""), (".rate", "/s"), (".acceleration", "/s^2"))):
+            yield (
+                f"{name}.{direction}{suffix}",
+                Quantity(unit + per, partial(_joint_motion, name, direction, k)),
+            )
+    yield f"{name}.force", Quantity("N", lambda run: vectors(run.forces.joint(name)[0]), ("x", "y"))
+    yield f"{name}.moment", Quantity("N m", lambda run: run.forces.joint(name)[1])
+    for direction in joint.driven:
+        kind, unit = ("moment", "N m") if direction == "angle" else ("force", "N")
+        effort = partial(_driving, name, direction)
+        yield f"{name}.{direction}.driving_{kind}", Quantity(unit, effort)
+
+
+def _joint_motion(name: str, direction: str, k: int, run: "Run") -> Array:
+    seen = run.motion.joint(name)
+    if direction == "angle":
+        return seen.angle[k]
+    return seen.place[k].real if direction == "x" else seen.place[k].imag
+
+
+def _driving(name: str, direction: str, run: "Run") -> Array:
+    return run.forces.driving(name, direction)
+
+
+def _beam(name: str, beam: Beam) -> Named:
+    """Along a beam, at its nodes and at its points."""
+    nodes = tuple(f"node{k}" for k in range(len(beam.nodes)))
+    places = {name: (np.array(beam.nodes), nodes)}
+    places |= {f"{name}.{point}": (np.array([x]), ()) for point, x in beam.points.items()}
+    along: dict[str, tuple[str, Rows]] = {
+        "deflection": ("m", FloatingBeam.shape),
+        "slope": ("rad", FloatingBeam.slope),
+        "bending_moment": ("N m", bending_moment),
+        "shear_force": ("N", shear_force),
+    }
+    if beam.youngs_modulus is not None and all(piece.height is not None for piece in beam.pieces):
+        along["stress"] = ("Pa", partial(upper_stress, youngs_modulus=beam.youngs_modulus))
+    for place, (x, columns) in places.items():
+        for quantity, (unit, rows) in along.items():
+            yield (
+                f"{place}.{quantity}",
+                Quantity(unit, partial(_along, name, x, rows, bool(columns)), columns),
+            )
+
+
+def _along(name: str, x: Array, rows: Rows, many: bool, run: "Run") -> Array:
+    """Rows at x [m] times the elastic coordinates: shape (nt, points), or (nt,) for one point."""
+    beam = run.system.beams[run.system.lowered.body_index[name]]
+    values = run.motion.elastic(name) @ rows(beam, x).T
+    return values if many else values[:, 0]
+
+
+def _motor(model: Model, name: str) -> Named:
+    motor = model.motors[name]
+    if motor.type == "dc":
+        constant = motor.torque_constant
+        yield f"{name}.voltage", Quantity("V", lambda run: run.forces.motor(name)[0])
+        yield f"{name}.current", Quantity("A", lambda run: run.forces.motor(name)[1] / constant)
+    yield f"{name}.torque", Quantity("N m", lambda run: run.forces.motor(name)[1])
+    unit = "N m" if model.joints[motor.joint].motor_coordinate == "angle" else "N"
+    yield f"{name}.transmission_torque", Quantity(unit, lambda run: run.forces.transmission(name))
+
+
+def _spring(model: Model, name: str) -> Named:
+    if model.springs[name].type == "torsional":
+        named = (("angle", "rad"), ("rate", "rad/s"), ("moment", "N m"))
+    else:
+        named = (("length", "m"), ("rate", "m/s"), ("force", "N"))
+    for k, (quantity, unit) in enumerate(named):
+        yield f"{name}.{quantity}", Quantity(unit, partial(_spring_state, name, k))
+
+
+def _spring_state(name: str, k: int, run: "Run") -> Array:
+    return run.forces.spring(name)[k]

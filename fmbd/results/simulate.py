@@ -1,0 +1,137 @@
+"""Compute a run: assemble the model, integrate it, record block by block."""
+
+import time as clock
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fmbd.model import Model, load_model
+from fmbd.results.archive import ArchiveWriter
+from fmbd.results.drawing import Sketch, sketch
+from fmbd.results.interruption import Interruption
+from fmbd.results.layout import Value
+from fmbd.results.motion import Motion
+from fmbd.results.reader import Archive
+from fmbd.results.recording import Recording
+from fmbd.results.run import Run
+from fmbd.solvers.integrate import Block, Statistics, integrate, output_times
+from fmbd.system import System, assemble
+
+FRAMES = 300
+
+Array = np.ndarray
+
+
+def simulate(
+    model: Model | str | Path,
+    output: str | Path | None = None,
+    on_progress: Callable[[float], None] | None = None,
+    frames: int = FRAMES,
+) -> Run:
+    """Run a model, or the model in a file, over its `simulation.duration`.
+
+    output: the archive to write, suffix `.vtkhdf`; without it the results stay in memory
+    on_progress: called with the time reached [s], often
+    frames: pictures of the drawing in the archive, at most; they are taken from the output times
+
+    A run that cannot go on, or that Ctrl-C ends, has the status `stopped: reason` and what was computed until then.
+    Raises ModelError, and OSError when the archive cannot be written.
+    """
+    if not isinstance(model, Model):
+        model = load_model(model)
+    system = assemble(model)
+    times = output_times(model.simulation.duration, model.simulation.output_interval)
+    if output is None:
+        recording = Recording(**_columns(system))
+        _compute(system, times, recording, lambda block: None, on_progress)
+        return Run(recording, lambda: model, lambda: system)
+    pictures = sketch(model)
+    writer = ArchiveWriter(
+        output,
+        model_text=model.yaml(),
+        model_files=model.files,
+        attributes={"model_file": str(model.path or f"{model.name}.yaml")},
+        drawing=pictures.drawing if frames else None,
+        **_columns(system),
+    )
+    at = set(times[np.linspace(0, times.size - 1, min(frames, times.size)).round().astype(int)])
+    with writer:
+        _compute(system, times, writer, lambda block: _draw(system, pictures, writer, block, at), on_progress)
+    return Run(Archive(output), lambda: model, lambda: system)
+
+
+def _columns(system: System) -> dict[str, list[tuple[str, str]]]:
+    """Names and units of what is recorded."""
+    lengths = {"m" if unit == "N" else "rad" for _, unit in system.constraints}
+    error = " or ".join(sorted(lengths)) or "m"
+    return {
+        "coordinates": system.coordinates,
+        "constraints": system.constraints,
+        "states": system.states,
+        "extra": [("constraint_error", error), ("velocity_constraint_error", f"({error})/s")],
+    }
+
+
+def _draw(system: System, pictures: Sketch, writer: ArchiveWriter, block: Block, at: set[float]) -> None:
+    """Write the frames that lie in a block."""
+    rows = [k for k, time in enumerate(block.time) if time in at]
+    if rows:
+        motion = Motion(
+            system, block.time[rows], block.position[rows], block.velocity[rows], block.acceleration[rows]
+        )
+        writer.write_frames(motion.time, pictures.points(motion))
+
+
+def _compute(
+    system: System,
+    times: Array,
+    record: ArchiveWriter | Recording,
+    on_block: Callable[[Block], None],
+    on_progress: Callable[[float], None] | None,
+) -> None:
+    """Integrate and record until the end, or until something stops the run."""
+    wall, cpu = clock.perf_counter(), clock.process_time()
+    statistics = Statistics(system.model.simulation.method)
+    largest = {name: 0.0 for name in ("constraint_error", "velocity_constraint_error", "energy_balance")}
+    written = 0
+    with Interruption() as interruption:
+
+        def progress(reached: float) -> None:
+            interruption.watch()
+            if on_progress is not None:
+                on_progress(reached)
+            if interruption.reason:
+                statistics.reason = f"{interruption.reason} at t = {reached:.6g} s"
+
+        for block in integrate(system, times, statistics, progress):
+            position, velocity = block.constraint_error.T
+            errors = {"constraint_error": position, "velocity_constraint_error": velocity}
+            record.write(
+                block.time,
+                block.position,
+                block.velocity,
+                block.acceleration,
+                block.multipliers,
+                block.states,
+                block.energy,
+                errors,
+            )
+            on_block(block)
+            written += len(block.time)
+            for name, values in (*errors.items(), ("energy_balance", block.energy["balance"])):
+                largest[name] = max(largest[name], float(np.abs(values).max()))
+        complete = written == len(times)
+        record.finish(
+            "complete" if complete else f"stopped: {statistics.reason}",
+            _summary(system, statistics)
+            | {f"largest_{name}": value for name, value in largest.items()}
+            | {"wall_time": clock.perf_counter() - wall, "cpu_time": clock.process_time() - cpu},
+        )
+
+
+def _summary(system: System, statistics: Statistics) -> dict[str, Value]:
+    """How the run went: the solver's counters, the time reached [s], remarks on the start, one a line."""
+    counters: dict[str, Any] = {name: value for name, value in vars(statistics).items() if name != "warnings"}
+    return counters | {"remarks": "\n".join([*system.start.remarks, *statistics.warnings])}
