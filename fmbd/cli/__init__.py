@@ -18,7 +18,7 @@ exit codes: 0 done, 1 a run stopped before its end (its archive is kept), 2 bad 
 
   fmbd check models/five_bar.yaml                        what the model is, and whether it is what was meant
   fmbd run models/five_bar.yaml                          simulate it; the results are in five-bar.vtkhdf
-  fmbd export five-bar.vtkhdf tip.csv -q rod_right.end.position
+  fmbd export five-bar.vtkhdf tip.csv --quantities rod_right.end.position
 """
 
 

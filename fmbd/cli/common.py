@@ -3,9 +3,10 @@
 import argparse
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -56,6 +57,16 @@ def terminal(stderr: bool = False) -> "Console":
     return Console(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
 
 
+def show(*parts: "str | Table", style: str | None = None) -> None:
+    """Print lines and tables, without the blanks that rich leaves at the ends of lines."""
+    out = terminal()
+    with out.capture() as captured:
+        for part in parts:
+            out.print(part, style=style)
+    for line in captured.get().splitlines():
+        print(line.rstrip())
+
+
 def facts(rows: Iterable[tuple[str, str]]) -> "Table":
     """Labels and values."""
     from rich.table import Table
@@ -85,6 +96,20 @@ def shown(names: Iterable[str], most: int = 8) -> str:
     return (", ".join(names[:most]) or "none") + left_out
 
 
+def course(statistics: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How a run went, from the statistics that it leaves when it ends."""
+    s = statistics
+    if not s:
+        return []
+    return [
+        ("steps", f"{s['steps']}, and {s['rejected_steps']} rejected; {s['evaluations']} evaluations"),
+        ("time", f"{s['wall_time']:.3g} s on the clock, {s['cpu_time']:.3g} s of CPU"),
+        ("constraint error", f"at most {s['largest_constraint_error']:.1e}"),
+        ("energy balance", f"within {s['largest_energy_balance']:.1e} J"),
+        *(("remark", remark) for remark in s["remarks"].splitlines()),
+    ]
+
+
 @contextmanager
 def compiling_announced(quiet: bool = False) -> Iterator[None]:
     """Say so, once, if Numba begins to compile: without a word half a minute is long."""
@@ -103,3 +128,28 @@ def compiling_announced(quiet: bool = False) -> Iterator[None]:
 
     with event.install_listener("numba:compile", Announcer()):
         yield
+
+
+def suffixed(suffix: str) -> Callable[[str], Path]:
+    """The type of an argument that names a file to write."""
+
+    def path(text: str) -> Path:
+        if Path(text).suffix.lower() != suffix:
+            raise argparse.ArgumentTypeError(f"'{text}' does not end in {suffix}, which is what can be written")
+        return Path(text)
+
+    return path
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[BinaryIO]:
+    """A file to write that takes the place of `path` when it is complete, and not before."""
+    beginning = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with beginning.open("wb") as file:
+            yield file
+        beginning.replace(path)
+    except OSError as error:
+        raise OSError(f"cannot write {path}: {error.strerror or error}") from None
+    finally:
+        beginning.unlink(missing_ok=True)

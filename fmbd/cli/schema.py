@@ -18,9 +18,7 @@ def add(commands: Any) -> None:
 
 
 def _print(args: argparse.Namespace) -> int:
-    import json
+    from fmbd.model.schema import schema_text
 
-    from fmbd.model.schema import json_schema
-
-    print(json.dumps(json_schema(), indent=2))
+    print(schema_text(), end="")
     return DONE

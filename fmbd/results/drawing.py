@@ -1,4 +1,4 @@
-"""The drawing of a mechanism for ParaView: which points there are, what connects them, where they are over time."""
+"""The drawing of a mechanism for ParaView: its points, what connects them, and where they are over time."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Forces in joints, springs and motors over time: the equations of motion evaluated once more at the states of a run."""
+"""Forces in joints, springs and motors: the equations evaluated once more at the states of a run."""
 
 from typing import Any
 
@@ -9,7 +9,6 @@ from fmbd.planar.compile import compiled
 from fmbd.planar.equations import accelerations, reaction
 from fmbd.results.motion import Motion
 from fmbd.solvers.integrate import solver_options
-from fmbd.system import System
 
 Array = NDArray[np.float64]
 
@@ -87,7 +86,7 @@ class Forces:
         )
 
     def joint(self, name: str) -> tuple[NDArray[np.complex128], Array]:
-        """Force [N] in the world, complex, and moment [N m] about the first point, on the body of the first point."""
+        """Force [N], fx + i fy in the world, and moment [N m] about the first point, on its body."""
         constraints = self.system.constraint_names
         if name in self.system.tree.cut:
             own = [k for k, constraint in enumerate(constraints) if constraint.startswith(f"{name}.")]
@@ -128,7 +127,7 @@ class Forces:
         gear = f"{name}.gear"
         if gear in self.system.constraint_names:
             c = self.system.constraint_names.index(gear)
-            # the rotor's term comes first in a gear's constraint: its moment on the stator is the multiplier's
+            # the constraint is phi - r theta = 0; the first body of its first term, phi, is the stator
             return motor.gear_ratio * self._closing[:, c, 2]
         return motor.gear_ratio * self.motor(name)[1]
 

@@ -30,6 +30,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from fmbd import __version__
 from fmbd.results import blocks
 
 # The column scale of each matrix, and what the units of the columns are divided by.
@@ -61,7 +62,7 @@ def describe_run(
     file.create_group("statistics")
     file.attrs.update(
         {
-            "fmbd_version": _version("fmbd"),
+            "fmbd_version": __version__,
             "status": "running",
             "writer": process_identity(os.getpid()),
             "model_sha256": hashlib.sha256(model_text.encode()).hexdigest(),

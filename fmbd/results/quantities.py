@@ -1,20 +1,26 @@
-"""What a run can be asked for: the names of all quantities, their units, and how they follow from the results.
+"""What a run can be asked for: names of quantities, their units, how they follow from the results.
 
-<coordinate>, .rate, .acceleration              generalised coordinates: `elbow.angle`, `rod.w1`, `motor.rotor`;
-<joint>.<x|y|angle>, .rate, .acceleration       all other joint coordinates too: of loops, driven ones
-<body>.<point>.position, velocity, acceleration         in the world, columns x and y; of the ground's points too
-<body>.<point>.angle, angular_velocity, angular_acceleration    of the point's axes (a beam's turn with its slope)
-<beam>.frame...                                 the same of its floating frame; <body>.angle ... for short
-<joint>.force, .moment                          what the joint's constraints put on the body of its first point,
-                                                in world axes and about that point; springs, friction and motors
-                                                in the joint are not in it, the effort of a driven coordinate is
-<joint>.<x|y>.driving_force, .angle.driving_moment      effort that moves a driven coordinate, positive along it
-<beam>.deflection, slope                        w and w' in the floating frame, at the nodes; <beam>.<point>....
-<beam>.bending_moment, shear_force, stress      EI w'', (EI w'')' and the stress -E h/2 w'' in the fibre y = h/2
-<motor>.voltage, current, torque                input, armature current, torque on the rotor's shaft
-<motor>.transmission_torque                     torque (or force) of the gear or elastic shaft on the joint
-<spring>.length or angle, rate, force or moment positive where it pulls its points together (or angle back)
-energy.<name>, multipliers.<name>, constraint_error, velocity_constraint_error, time, <first-order state>
+    <coordinate>, .rate, .acceleration      generalised coordinates, `elbow.angle`, `rod.w1`, `motor.rotor`
+    <joint>.<x|y|angle>, .rate, ...         all other joint coordinates, too: in closed loops, or driven
+    <body>.<point>.position, .velocity, .acceleration       in the world; columns x and y
+    <body>.<point>.angle, .angular_velocity, .angular_acceleration      of its axes; a beam's follow the slope
+    <body>.angle, ...                       the same of the body's frame
+    <beam>.frame.position, ...              all six of the floating frame
+    <joint>.force, .moment                  what the joint's constraints put on the body of its first point,
+                                            in the world's axes and about that point
+    <joint>.<x|y>.driving_force, .angle.driving_moment      what moves a driven coordinate, positive along it
+    <beam>.deflection, .slope               w and w' in the floating frame; columns are the nodes
+    <beam>.bending_moment, .shear_force     EI w'' and (EI w'')'; columns are the nodes (see beams.bending)
+    <beam>.stress                           bending stress -E h/2 w'' in the fibre y = h/2
+    <beam>.<point>.deflection, ...          the same five at a point
+    <motor>.voltage, .current, .torque      input, armature current, torque on the rotor
+    <motor>.transmission_torque             what gear or elastic shaft put on the joint
+    <spring>.length, .rate, .force          tension k (l - rest) + d l'
+    <spring>.angle, .rate, .moment          k (angle - rest) + d angle', on the body of the first point
+    energy.<name>, multipliers.<constraint>, constraint_error, velocity_constraint_error, time
+    <motor>.error_integral                  and other first-order states
+
+Springs, friction and motors in a joint are not in its force and moment; what drives a driven coordinate is.
 """
 
 from collections.abc import Callable, Iterator, Mapping

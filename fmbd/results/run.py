@@ -1,6 +1,6 @@
 """A run: its states at the output times, and every quantity that follows from them, by name."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 class Run:
     """Results by name: `run["rod.end.position"]`; what the names mean stands in quantities.py.
 
-    nt output times, nq coordinates, nc constraints, nz first-order states. A run that was stopped has the times that
-    it reached.
+    nt output times, nq coordinates, nc constraints, nz first-order states. A run that was
+    stopped has the output times that it reached. `source` is what it is read from, a `recording.Recording` or a `reader.Archive`.
     """
 
     def __init__(
@@ -36,20 +36,20 @@ class Run:
         self._system = system
 
     def __getitem__(self, name: str) -> Array:
-        """A quantity at all output times, shape (nt,), or (nt, n) with the columns `columns(name)`, in SI units.
+        """A quantity at all output times, in SI units: (nt,), or (nt, n) with the columns `columns(name)`.
 
         Raises UnknownQuantity, a KeyError, for a name that the run does not have.
         """
         return self.quantity(name).compute(self)
 
-    def __len__(self) -> int:
-        return len(self.source.time)
+    def __contains__(self, name: str) -> bool:
+        return name in self._quantities
 
-    def __iter__(self) -> None:
-        raise TypeError("a run is not a sequence: iterate over run.names")
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._quantities)
 
     def __repr__(self) -> str:
-        return f"<Run: {len(self)} output times, {self.status}>"
+        return f"<Run: {len(self.time)} output times, {self.status}>"
 
     @property
     def status(self) -> str:

@@ -36,8 +36,8 @@ def simulate(
     on_progress: called with the time reached [s], often
     frames: pictures of the drawing in the archive, at most; they are taken from the output times
 
-    A run that cannot go on, or that Ctrl-C ends, has the status `stopped: reason` and what was computed until then.
-    Raises ModelError, and OSError when the archive cannot be written.
+    A run that cannot go on, or that Ctrl-C ends, has the status `stopped: reason` and what was computed until
+    then. Raises ModelError, and OSError when the archive cannot be written.
     """
     if not isinstance(model, Model):
         model = load_model(model)
@@ -94,7 +94,7 @@ def _compute(
     """Integrate and record until the end, or until something stops the run."""
     wall, cpu = clock.perf_counter(), clock.process_time()
     statistics = Statistics(system.model.simulation.method)
-    largest = {name: 0.0 for name in ("constraint_error", "velocity_constraint_error", "energy_balance")}
+    largest = dict.fromkeys(("constraint_error", "velocity_constraint_error", "energy_balance"), 0.0)
     written = 0
     with Interruption() as interruption:
 
@@ -121,7 +121,7 @@ def _compute(
             on_block(block)
             written += len(block.time)
             for name, values in (*errors.items(), ("energy_balance", block.energy["balance"])):
-                largest[name] = max(largest[name], float(np.abs(values).max()))
+                largest[name] = float(np.maximum(largest[name], np.abs(values).max()))
         complete = written == len(times)
         record.finish(
             "complete" if complete else f"stopped: {statistics.reason}",

@@ -1,15 +1,12 @@
 """Andrews' squeezing mechanism: Test Set for IVP Solvers (F. Mazzia, C. Magherini), problem ANDREWS.
 
-Angles and rates are those of another program, run to convergence: the published ones (PSIDE) agree with them to 1e-10
-and 1e-6. Accelerations and multipliers are the published ones, which are good to about 1e-6 of themselves.
+Angles and rates are those of another program, run to convergence: the published ones (PSIDE) agree with them
+to 1e-10 and 1e-6. Accelerations and multipliers are the published ones, good to about 1e-6 of themselves.
 """
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from simulation import at, simulate
-
-from fmbd.system import assemble
+from simulation import at, columns, simulate
 
 ANGLES = ["beta", "theta", "gamma", "phi", "delta", "omega", "epsilon"]
 AT_30_MS = [
@@ -36,7 +33,7 @@ def run():
 
 
 def values(run, suffix, time):
-    return [run[f"{name}.angle{suffix}"][at(run, time)] for name in ANGLES]
+    return columns(run, *(f"{name}.angle{suffix}" for name in ANGLES))[at(run, time)]
 
 
 def test_angles_and_rates_at_30_ms(run):
@@ -50,7 +47,8 @@ def test_end_of_the_iftomm_library_s_run(run):
     found = dict(zip(ANGLES, values(run, "", 0.05)))
     published = {"beta": 33.82586777, "gamma": 0.11339507, "phi": -0.40785287, "epsilon": 1.05690243}
     assert_allclose([found[name] for name in published], list(published.values()), rtol=0, atol=1e-8)
-    assert_allclose(run["K1.F.position"][at(run, 0.05)], [-0.005208504722, 0.004676695260], rtol=0, atol=1e-12)
+    place_of_F = run["K1.F.position"][at(run, 0.05)]
+    assert_allclose(place_of_F, [-0.005208504722, 0.004676695260], rtol=0, atol=1e-12)
 
 
 def test_start(run):

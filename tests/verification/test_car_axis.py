@@ -1,7 +1,7 @@
 """A car on a driven axle: Test Set for IVP Solvers (F. Mazzia, C. Magherini), problem CARAXIS.
 
-There it is an index-3 problem in Cartesian coordinates, with two constraints; as two joints on a driven one it has no
-constraint left. With the sliding joint cut, the constraint that moves with the axle is back.
+There it is an index-3 problem in Cartesian coordinates, with two constraints. As two joints, one of them
+driven, it has no constraint left; with the other cut, the constraint that moves with the axle is back.
 """
 
 import pytest
@@ -12,13 +12,17 @@ LEFT, RIGHT = [0.0493455784275402809, 0.496989460230171154], [1.0417425248854215
 LEFT_RATE = [-0.0770583684040972358, 0.00744686658723778553]
 RIGHT_RATE = [0.0175568157537232222, 0.770341043779251976]
 
+ROAD = {"type": "revolute", "between": ["ground.origin", "axle.origin"], "driven": "asin(0.1*sin(10*t))"}
 CUT = {
     "joints": {
-        "road": {"type": "revolute", "between": ["ground.origin", "axle.origin"], "driven": "asin(0.1*sin(10*t))"},
+        "road": ROAD,
         "rod": {"type": "pin_in_slot", "between": ["axle.origin", "car.left"], "axis": [0, 1], "cut": True},
         "free": {"type": "free", "between": ["ground.origin", "car.left"]},
     },
-    "initial": {"joints": {"free": {"x": 0, "y": 0.5, "angle": 0}}, "rates": {"free": {"x": -0.5, "y": 0, "angle": 0}}},
+    "initial": {
+        "joints": {"free": {"x": 0, "y": 0.5, "angle": 0}},
+        "rates": {"free": {"x": -0.5, "y": 0, "angle": 0}},
+    },
 }
 
 

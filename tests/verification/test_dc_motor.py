@@ -1,11 +1,11 @@
-"""Start-up of a DC motor with inductance, the shaft rigid: Modelica Standard Library, DCMachines.DCPM_Start."""
+"""Start-up of a DC motor with inductance, its shaft rigid: Modelica Standard Library, DCPM_Start."""
 
 import numpy as np
 from numpy.testing import assert_allclose
-from simulation import at, simulate
+from simulation import at, columns, simulate
 
-# t, current, angle, speed; recomputed to convergence. The library's own result, of tolerance 1e-6, is at t = 2
-# 99.97434664 A, 210.2259837 rad, 149.2278453 rad/s.
+# t, current, angle, speed; recomputed to convergence. The library's own result, of tolerance 1e-6, is
+# 99.97434664 A, 210.2259837 rad, 149.2278453 rad/s at t = 2.
 TABLE = np.array([
     [0.5, 91.91527753, 6.70804453, 51.63636997],
     [1.0, 92.52738554, 57.06912626, 149.81253737],
@@ -19,7 +19,7 @@ TABLE = np.array([
 def test_start_up_of_a_dc_motor():
     """Ramp of voltage from 0.2 to 1 s, load torque from 1.5 s on: the steps land on the kinks."""
     run = simulate("dc_motor.yaml", {"simulation.rtol": 1e-10})
-    found = np.stack([run[name] for name in ("motor.current", "shaft.angle", "shaft.angle.rate")], axis=-1)
+    found = columns(run, "motor.current", "shaft.angle", "shaft.angle.rate")
     # the table has 9 digits, at t = 1.5 s fewer
     assert_allclose(found[at(run, TABLE[:, 0])], TABLE[:, 1:], rtol=5e-9, atol=1e-8)
 

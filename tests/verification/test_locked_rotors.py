@@ -1,7 +1,8 @@
-"""The five-bar with its rotors locked: static deflections and natural frequencies, in SciPy from the matrices alone.
+"""The five-bar with its rotors locked: static deflections and frequencies, by SciPy from the matrices alone.
 
-A transmission whose rotor is locked is a spring between ground and crank. The tables were computed for this project
-by another program (minimal coordinates, exact loop closure); the continuum by the exact functions of the beam.
+A transmission whose rotor is locked is a spring between ground and crank. The tables were computed for this
+project by another program (minimal coordinates, exact loop closure), the continuum from the exact functions
+of the beam.
 """
 
 import numpy as np
@@ -11,20 +12,20 @@ from scipy.linalg import eigh, null_space
 from scipy.optimize import root
 from simulation import load
 
-from fmbd.system import assemble
+import fmbd
 
 SIDES = ("right", "left")
 
 
 def locked(elements, gravity):
-    start = assemble(load("five_bar.yaml")).start.q
+    start = fmbd.assemble(load("five_bar.yaml")).start.q
     angles = {"right": float(start[1]), "left": float(start[6])}
     springs = {
         f"joints.shoulder_{side}.spring": {"stiffness": "stiffness", "rest": angle}
         for side, angle in angles.items()
     }
     changes = {"motors": {}, "controllers": {}, "bodies.*.elements": elements, "gravity": [0, -gravity]}
-    return assemble(load("five_bar.yaml", springs | changes))
+    return fmbd.assemble(load("five_bar.yaml", springs | changes))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,120 @@
+"""`fmbd run`: simulate a model into an archive."""
+
+import argparse
+import re
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fmbd.cli.common import (
+    BAD_INPUT,
+    DONE,
+    INTERRUPTED,
+    STOPPED,
+    add_model,
+    compiling_announced,
+    course,
+    facts,
+    read_model,
+    show,
+    terminal,
+)
+
+if TYPE_CHECKING:
+    from fmbd.model import Model
+    from fmbd.results.run import Run
+
+SUFFIX = ".vtkhdf"
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "run",
+        help="simulate a model and archive the results",
+        description="Simulate a model. The results are archived while they are computed: the file can be read at any "
+        "moment, and Ctrl-C keeps what is in it.",
+    )
+    add_model(parser)
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help=f"the archive (default: the model's name + {SUFFIX})"
+    )
+    for key, metavar, what in (
+        ("method", "NAME", "dop853, rk45 or baumgarte"),
+        ("rtol", "NUMBER", "relative tolerance of a step"),
+        ("duration", "SECONDS", "simulated time"),
+    ):
+        parser.add_argument(f"--{key}", metavar=metavar, help=f"{what}; short for --set simulation.{key}=...")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    parser.set_defaults(command=_run)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from fmbd.results.simulate import simulate
+
+    given = {key: getattr(args, key) for key in ("method", "rtol", "duration")}
+    model = read_model(args, **{f"simulation.{key}": value for key, value in given.items() if value is not None})
+    output = args.output or Path(re.sub(r"[^\w.-]+", "_", model.name) + SUFFIX)
+    if refusal := _refusal(output):
+        print(refusal, file=sys.stderr)
+        return BAD_INPUT
+    with compiling_announced(args.quiet), _progress(model, args.quiet) as on_progress:
+        run = simulate(model, output, on_progress)
+    if not args.quiet:
+        _summarise(run, output)
+    if run.status == "complete":
+        return DONE
+    print(f"{model.name}: {run.status}", file=sys.stderr)
+    return INTERRUPTED if run.status.startswith("stopped: interrupted") else STOPPED
+
+
+def _refusal(output: Path) -> str:
+    """Why a file must not be replaced; empty if it may be."""
+    from fmbd.results.archive import ArchiveError
+    from fmbd.results.reader import read_archive
+
+    if not output.is_file():
+        return ""
+    try:
+        running = read_archive(output).status == "running"
+    except ArchiveError as error:
+        return f"{error}; it is left as it is: name another file with -o"
+    return f"{output}: another run is writing it: name another file with -o" if running else ""
+
+
+@contextmanager
+def _progress(model: "Model", quiet: bool) -> Iterator[Callable[[float], None] | None]:
+    """A bar with the time left, on a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TaskProgressColumn(),
+        TextColumn("t = {task.completed:.3g} s"),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=terminal(stderr=True), transient=True) as bar:
+        task = bar.add_task(model.name, total=model.simulation.duration)
+        yield lambda reached: bar.update(task, completed=reached)
+
+
+def _summarise(run: "Run", output: Path) -> None:
+    simulation = run.model.simulation
+    size = output.stat().st_size / 1e6
+    show(f"{run.model.name}: {run.status}", style="bold")
+    rows = [
+        ("method", f"{simulation.method}, rtol {simulation.rtol:g}, atol {simulation.atol:g}"),
+        ("simulated", f"{run.statistics['time_reached']:g} of {simulation.duration:g} s, {len(run.time)} outputs"),
+        *course(run.statistics),
+        ("archive", f"{output} ({size:.3g} MB); ParaView plays it"),
+        ("next", f"fmbd info {output}"),
+        ("", f"fmbd export {output} {output.with_suffix('.csv')}"),
+    ]
+    show(facts(rows))

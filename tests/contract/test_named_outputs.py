@@ -1,0 +1,143 @@
+"""Named outputs obey mechanics: rates are derivatives, forces balance, and no choice of the program shows in them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from test_two_formulations import EVERYTHING
+
+import fmbd
+from fmbd.model import load_model_text
+
+MODELS = Path(__file__).parents[2] / "models"
+DERIVATIVES = {
+    "position": "velocity",
+    "velocity": "acceleration",
+    "angle": "angular_velocity",
+    "angular_velocity": "angular_acceleration",
+    "rate": "acceleration",
+}
+
+
+def derivative(values: np.ndarray, h: float) -> np.ndarray:
+    """Central differences of order 4; the two rows at each end are lost."""
+    return (values[:-4] - 8.0 * values[1:-3] + 8.0 * values[3:-1] - values[4:]) / (12.0 * h)
+
+
+def test_every_rate_is_the_derivative_of_what_it_is_the_rate_of() -> None:
+    """Points, frames, joint coordinates, springs: all joints, reversed, driven, in closed loops, both beam frames.
+
+    The start does not close the loops; the first steps, which do, are left out.
+    """
+    h = 1e-5
+    text = EVERYTHING.replace("LIMIT", "1e3")
+    text += f"simulation: {{duration: 2e-3, output_interval: {h}, max_step: 1e-4, rtol: 1e-11}}\n"
+    run = fmbd.simulate(load_model_text(text))
+    checked = 0
+    for name in run:
+        owner, _, last = name.rpartition(".")
+        rate = f"{name}.rate" if f"{name}.rate" in run else f"{owner}.{DERIVATIVES.get(last)}"
+        if last in ("length", "angle") and owner in run.model.springs:
+            rate = f"{owner}.rate"
+        if rate in run:
+            expected = derivative(run[name], h)[60:]
+            assert_allclose(
+                run[rate][62:-2], expected, rtol=1e-6, atol=2e-6 * max(1.0, np.abs(expected).max()), err_msg=name
+            )
+            checked += 1
+    assert checked > 200
+
+
+def newton(run: fmbd.Run, forces: dict[str, float], points: dict[str, float], mass: float) -> np.ndarray:
+    """Sum of joint forces and weight less sum of weight * acceleration over points, shape (nt, 2)."""
+    applied = sum(sign * run[f"{joint}.force"] for joint, sign in forces.items())
+    inertia = sum(weight * run[f"{point}.acceleration"] for point, weight in points.items())
+    return applied + mass * np.array(run.model.gravity) - inertia
+
+
+GAUSS = 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)
+
+
+@pytest.fixture(scope="module")
+def five_bar() -> fmbd.Run:
+    model = fmbd.load_model(MODELS / "five_bar.yaml", {"simulation.duration": 0.2})
+    for rod in ("rod_right", "rod_left"):
+        points = {"near": float(GAUSS[0] * 0.5), "far": float(GAUSS[1] * 0.5)}
+        model = model.with_(f"bodies.{rod}.points", points)
+    return fmbd.simulate(model)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_forces_on_each_body_give_its_mass_times_acceleration(five_bar: fmbd.Run, side: str) -> None:
+    """Newton's law for cranks and rods of the five-bar, from outputs alone.
+
+    A joint's force acts on the body of its first point, the opposite on that of its second. The rod's acceleration
+    is a cubic along it, so two Gauss points integrate it exactly.
+    """
+    run = five_bar
+    crank = newton(
+        run, {f"shoulder_{side}": -1, f"elbow_{side}": 1}, {f"crank_{side}.center_of_mass": 3.0}, 3.0
+    )
+    assert np.abs(crank).max() < 1e-9
+    rod_mass = 2712 * 0.030 * 0.003 * 0.5
+    points = {f"rod_{side}.near": rod_mass / 2, f"rod_{side}.far": rod_mass / 2, f"rod_{side}.end": 0.25}
+    tip = 1 if side == "right" else -1
+    rod = newton(run, {f"elbow_{side}": -1, "effector": tip}, points, rod_mass + 0.25)
+    assert np.abs(rod).max() < 1e-9
+
+
+def test_moments_on_a_crank_give_its_angular_acceleration(five_bar: fmbd.Run) -> None:
+    """Euler's law about the shoulder: the transmission drives, weight and rod brake; I = 0.2 kg m2 (Table 1)."""
+    run = five_bar
+    arm = run["crank_right.A.position"] - run["ground.O1.position"]
+    centre = run["crank_right.center_of_mass.position"] - run["ground.O1.position"]
+    elbow = run["elbow_right.force"]
+    moment = run["motor_right.transmission_torque"] - 3 * 9.81 * centre[:, 0]
+    moment += arm[:, 0] * elbow[:, 1] - arm[:, 1] * elbow[:, 0]
+    assert_allclose(moment, 0.2 * run["crank_right.angular_acceleration"], atol=1e-9)
+
+
+# A crank driven in a circle shakes a loop of a revolute joint, a pin in a slot, a weld and a slide; the joints
+# point both ways, and springs and friction act in them.
+LOOP = """
+fmbd: 1
+gravity: [0.4, -9.81]
+ground: {points: {P: {at: [1.1, -0.2], angle: 0.3}}}
+bodies:
+  crank: {type: rigid, mass: 2, inertia: 0.1, center_of_mass: [0.1, 0.02], points: {tip: {at: [0.3, 0], angle: 0.4}}}
+  rod: {type: beam, length: 0.8, elements: 2, frame: FRAME, mass_per_length: 0.9, bending_stiffness: 30,
+        points: {mid: 0.7}}
+  shoe: {type: rigid, mass: 0.7, inertia: 0.05, center_of_mass: [0.02, 0.03],
+         points: {pin: {at: [0.05, 0.1], angle: -0.5}}}
+  slide: {type: rigid, mass: 0.4, inertia: 0.02, points: {top: {at: [0, 0.1], angle: 0.2}}}
+joints:
+  bearing: {type: revolute, between: [ground.origin, crank.origin], driven: "2*t + 0.3*t**2"}
+  hinge: {type: revolute, between: [rod.start, crank.tip], friction: 0.1}
+  slot: {type: pin_in_slot, between: [rod.mid, shoe.pin], axis: [2, -1],
+         spring: {x: {stiffness: 300, rest: 0.05}, angle: {stiffness: 2}}}
+  bolts: {type: weld, between: [slide.top, shoe.origin]}
+  rail: {type: prismatic, between: [ground.P, slide.origin], axis: [1, 2], spring: {stiffness: 40, damping: 2}}
+initial: {joints: {rail: 0.4}, rates: {rail: 0.1}, hints: {hinge: -0.2}}
+"""
+
+
+def loop_cut_at(joint: str, frame: str) -> fmbd.Run:
+    text = LOOP.replace("FRAME", frame).replace(f"  {joint}: {{", f"  {joint}: {{cut: true, ")
+    text += "simulation: {duration: 1e-4, output_interval: 1e-4}\n"
+    run = fmbd.simulate(load_model_text(text))
+    assert run.system.tree.cut == (joint,)
+    return run
+
+
+@pytest.mark.parametrize("frame", ["clamped", "chord"])
+def test_joint_forces_do_not_depend_on_where_the_loop_is_cut(frame: str) -> None:
+    """Tree joints run forwards or backwards, or are closed by multipliers: force, moment and effort are the same."""
+    names = [f"{joint}.{what}" for joint in ("bearing", "hinge", "slot", "bolts", "rail") for what in ("force", "moment")]
+    names += ["bearing.angle.driving_moment", "crank.tip.acceleration", "slide.top.acceleration"]
+    expected = loop_cut_at("slot", frame)
+    for joint in ("bearing", "hinge", "bolts", "rail"):
+        run = loop_cut_at(joint, frame)
+        for name in names:
+            scale = max(1.0, np.abs(expected[name][0]).max())
+            assert_allclose(run[name][0], expected[name][0], atol=1e-9 * scale, err_msg=f"{name}, cut at {joint}")
