@@ -25,6 +25,7 @@ os.environ.update(dict.fromkeys(THREADS, "1"))  # before NumPy is imported
 import numpy as np  # noqa: E402
 from numba import njit  # noqa: E402
 
+import fmbd  # noqa: E402
 from fmbd.model import load_model  # noqa: E402
 from fmbd.planar.equations import evaluate_accelerations  # noqa: E402
 from fmbd.solvers.integrate import Statistics, integrate, output_times  # noqa: E402
@@ -68,7 +69,7 @@ def accelerations(elements: int, aim: float) -> Timing:
 
 
 def simulation(aim: float) -> Timing:
-    """The controlled move over 3 s, rtol 1e-6, results every millisecond, kept in memory."""
+    """The controlled move over 3 s, rtol 1e-6, states at every millisecond kept in memory."""
     system = assemble(load_model(FIVE_BAR, {"simulation.rtol": 1e-6}))
     times = output_times(3.0, 1e-3)
 
@@ -120,10 +121,10 @@ def main() -> None:
         print(timing, flush=True)
         timings.append(timing)
     if len(sys.argv) > 1:
-        packages = ("fmbd", "numpy", "numba", "scipy", "h5py")
+        packages = {name: version(name) for name in ("numpy", "numba", "scipy", "h5py")}
         where = {"python": platform.python_version(), "machine": platform.machine(), "cores": os.cpu_count()}
         report = {
-            "where": where | {name: version(name) for name in packages},
+            "where": where | {"fmbd": fmbd.__version__} | packages,
             "timings": [asdict(timing) | {"median": median(timing.samples)} for timing in timings],
         }
         Path(sys.argv[1]).write_text(json.dumps(report, indent=2) + "\n")

@@ -1,6 +1,6 @@
 """Figures 4, 5 and 6 of Hoang et al. (2022) from an archive of the five-bar.
 
-    python postprocess/five_bar_figures.py five_bar.vtkhdf [--folder FOLDER] [--format png|pdf|svg]
+    python postprocess/five_bar_figures.py five-bar.vtkhdf [--folder FOLDER] [--format png|pdf|svg]
 
 Figure 4: rotors and joints, positions and rates. Figure 5: deflection and slope at the tips of the rods.
 Figure 6: error of the loop closure, equation (22) of the paper.

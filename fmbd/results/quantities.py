@@ -90,7 +90,7 @@ def _archived(source: Source) -> Named:
             f"multipliers.{name}",
             Quantity(source.units["multipliers"][k], partial(_column, "multipliers", k)),
         )
-    for name in source.units.keys() - MATRICES.keys() - {"time"}:
+    for name in sorted(source.units.keys() - MATRICES.keys() - {"time"}):
         yield name.replace("/", "."), Quantity(str(source.units[name]), partial(_scalar, name))
 
 
