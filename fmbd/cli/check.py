@@ -9,7 +9,6 @@ from fmbd.cli.common import (
     DONE,
     add_model,
     columns,
-    compiling_announced,
     facts,
     read_model,
     show,
@@ -39,44 +38,45 @@ def add(commands: Any) -> None:
 
 
 def _check(args: argparse.Namespace) -> int:
-    with compiling_announced():
-        from fmbd.system import assemble
+    from fmbd.system import assemble
 
-        model = read_model(args)
-        system = assemble(model)
-        show(f"{model.name}  ({args.model})", style="bold")
-        if model.description:
-            show(model.description.strip())
-        show("", _bodies(system), "", facts([*_forces(system), *_freedom(system)]))
-        if any(joint.coordinates for joint in model.joints.values()):
-            show("", _start(system))
-        show("", facts([*_remarks(system), *_frequencies(system), *_simulation(system)]))
-        if model.motors:
-            show("", _motors(system))
+    model = read_model(args)
+    system = assemble(model)
+    show(f"{model.name}  ({args.model})", style="bold")
+    if model.description:
+        show(model.description.strip())
+    show("", _bodies(system), "", facts([*_forces(system), *_freedom(system)]))
+    if any(joint.coordinates for joint in model.joints.values()):
+        show("", _start(system))
+    show("", facts([*_remarks(system), *_frequencies(system), *_motors(system), *_simulation(system)]))
     return DONE
 
 
 def _bodies(system: "System") -> "Table":
     """The spanning tree: each body under the one that carries it, and by which joint."""
-    rigid = ["mass [kg]", "inertia [kg m^2]"]
-    flexible = ["length [m]", "elements", "f1 alone [Hz]"] if system.beams else []
-    table = columns("body", "carried by", *rigid, *flexible)
+    table = columns("body", "carried by", "properties")
     links = system.tree.links
     for i, (link, branch) in enumerate(zip(links[:ROWS], _branches(system), strict=False)):
-        mass = _g(system.planar.bodies["mass"][i])
         if link.motor is not None:
             motor = system.model.motors[link.motor]
-            by, row = f"{link.motor} ({motor.type}, gear {motor.gear_ratio:g})", ["", _g(motor.rotor_inertia)]
+            by, what = f"{link.motor} ({motor.type}, gear {motor.gear_ratio:g})", f"{motor.rotor_inertia:g} kg m^2"
         else:
             by = f"{link.joint} ({system.model.joints[str(link.joint)].type})"
-            row = [mass, _g(getattr(system.model.bodies[link.name], "inertia", 0.0))]
-        if i in system.beams:
-            beam, omega2 = system.beams[i], system.lowered.omega2[i]
-            row = [mass, "", _g(beam.length), str(len(beam.nodes) - 1), _g(omega2[0] ** 0.5 / tau)]
-        table.add_row(branch + link.name, by, *row)
+            what = _body(system, i, link.name)
+        table.add_row(branch + link.name, by, what)
     if len(links) > ROWS:
         table.add_row(f"... {len(links) - ROWS} more")
     return table
+
+
+def _body(system: "System", i: int, name: str) -> str:
+    mass = f"{_g(system.planar.bodies['mass'][i])} kg"
+    if i not in system.beams:
+        return f"{mass}, {_g(system.model.bodies[name].inertia)} kg m^2"
+    beam, omega2 = system.beams[i], system.lowered.omega2[i]
+    count = len(beam.nodes) - 1
+    elements = "1 element" if count == 1 else f"{count} elements"
+    return f"{mass}, beam of {beam.length:g} m, {elements}; alone from {_g(omega2[0] ** 0.5 / tau, 4)} Hz"
 
 
 def _branches(system: "System") -> Iterator[str]:
@@ -130,13 +130,18 @@ def _start(system: "System") -> "Table":
 
     mechanism = RigidMechanism(system.lowered, system.reference)
     q, v = system.start.q, system.start.v
-    table = columns("at the start", "[m, rad]", "[deg]", "rate [1/s]", "")
+    own = {name: k for k, name in enumerate(system.coordinate_names)}
+    table = columns("at the start", "[m, rad]", "[deg]", "rate [1/s]")
     names = [(name, d) for name, joint in system.model.joints.items() for d in joint.coordinates]
     for name, direction in names[:ROWS]:
-        value, row = mechanism.coordinate(q, name, direction)
-        driven = "driven" if direction in system.model.joints[name].driven else ""
+        coordinate = f"{name}.{direction}"
+        if coordinate in own:
+            value, rate = q[own[coordinate]], v[own[coordinate]]
+        else:  # of a cut or driven joint
+            value, row = mechanism.coordinate(q, name, direction)
+            rate = row[:-1] @ v + row[-1]
         angle = f"{degrees(value):.2f}" if direction == "angle" else ""
-        table.add_row(f"{name}.{direction}", _g(value), angle, _g(row[:-1] @ v + row[-1]), driven)
+        table.add_row(coordinate, _g(value), angle, _g(rate))
     if len(names) > ROWS:
         table.add_row(f"... {len(names) - ROWS} more")
     return table
@@ -151,7 +156,7 @@ def _remarks(system: "System") -> Iterator[tuple[str, str]]:
     for name in system.model.initial.place:
         x, y = position[system.station_of_place(name)]
         yield "place", f"{name} at ({x:.6g}, {y:.6g}) m"
-    if system.constraints:
+    if system.planar.held.size:
         mechanism = RigidMechanism(system.lowered, system.reference)
         miss = size(mechanism.equations(system.start.q, {}, {})[0]).max(initial=0.0)
         yield "loops", f"closed to {miss:.1e} m"
@@ -198,21 +203,19 @@ def _simulation(system: "System") -> Iterator[tuple[str, str]]:
     )
 
 
-def _motors(system: "System") -> "Table":
+def _motors(system: "System") -> Iterator[tuple[str, str]]:
     """What each motor moves, and what it is fed with."""
     from fmbd.model import ControllerRef
 
-    table = columns("motor", "on joint", "input", "by")
     for k, (name, motor) in enumerate(list(system.model.motors.items())[:ROWS]):
-        joint = f"{motor.joint}, gear {motor.gear_ratio:g}"
+        text = f"moves {motor.joint}, gear {motor.gear_ratio:g}"
         if motor.transmission is not None:
-            joint += f", elastic ({motor.transmission.stiffness:g} N m/rad)"
-        unit = "V" if motor.type == "dc" else "N m"
+            text += f", elastic by {motor.transmission.stiffness:g} N m/rad"
+        quantity, unit = ("voltage", "V") if motor.type == "dc" else ("torque", "N m")
         by = _law(system, k, unit) if isinstance(motor.input, ControllerRef) else _signal(motor.input, unit)
-        table.add_row(name, joint, "voltage" if motor.type == "dc" else "torque", by)
+        yield name, f"{text}; {quantity}: {by}"
     if len(system.model.motors) > ROWS:
-        table.add_row(f"... {len(system.model.motors) - ROWS} more")
-    return table
+        yield "motors", f"... {len(system.model.motors) - ROWS} more"
 
 
 def _signal(signal: Any, unit: str) -> str:
@@ -228,10 +231,13 @@ def _law(system: "System", k: int, unit: str) -> str:
     record = system.planar.motors[k]
     control = system.planar.controllers[record.controller]
     target = law.target[motor.joint] if isinstance(law.target, dict) else law.target
+    measure = "rad" if system.model.joints[motor.joint].motor_coordinate == "angle" else "m"
     if isinstance(target, Placement):
-        to = _g(control.shift)
+        to = f"{_g(control.shift)} {measure}"
+    elif target.type == "constant":
+        to = f"{_g(control.scale * target.value)} {measure}"
     else:
-        to = _g(control.scale * target.value) if target.type == "constant" else f"a {target.type} over time"
+        to = f"a {target.type} over time"
     measured = "joint" if control.pathway == record.joint_pathway else "rotor"
     text = f"{motor.input.name} ({law.type}), {measured} to {to}"
     if not isinstance(law.feedforward, GravityCompensation):

@@ -80,12 +80,13 @@ def facts(rows: Iterable[tuple[str, str]]) -> "Table":
 
 
 def columns(*headings: str) -> "Table":
-    """A table without lines; a heading that ends in `]`, with a unit, is that of numbers."""
+    """A table without lines; a heading that ends in a unit, `[m]`, is that of numbers; the last column may fold."""
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     for heading in headings:
-        table.add_column(heading, justify="right" if heading.endswith("]") else "left", no_wrap=True)
+        is_number = heading.endswith("]")
+        table.add_column(heading, justify="right" if is_number else "left", no_wrap=heading != headings[-1])
     return table
 
 

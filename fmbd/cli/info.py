@@ -42,7 +42,7 @@ def _describe(path: Path) -> None:
     rows = [
         ("model", about["model_file"]),
         ("command", about["command"]),
-        ("started", f"{about['started']}, fmbd {about['fmbd_version']}"),
+        ("started", f"{str(about['started'])[:19].replace('T', ' ')} UTC, by fmbd {about['fmbd_version']}"),
         ("outputs", f"{len(archive)}, {reached}"),
         *course(archive.statistics),
         *(

@@ -73,19 +73,20 @@ def _digits(text: str) -> int:
 def _matrices(args: argparse.Namespace) -> int:
     t = args.at
     changes = {"simulation.duration": t, "simulation.output_interval": t} if t else {}
-    with compiling_announced():
-        from fmbd.results.simulate import simulate
+    model = read_model(args, **changes)
+    if t == 0.0:
         from fmbd.system import assemble
 
-        model = read_model(args, **changes)
-        if t == 0.0:
-            matrices = assemble(model).matrices()
-        else:
+        matrices = assemble(model).matrices()
+    else:
+        from fmbd.results.simulate import simulate
+
+        with compiling_announced():
             run = simulate(model)
-            if run.status != "complete":
-                print(f"{model.name}: {run.status}", file=sys.stderr)
-                return STOPPED
-            matrices = run.system.matrices(run.position[-1], run.velocity[-1], t, run.states[-1])
+        if run.status != "complete":
+            print(f"{model.name}: {run.status}", file=sys.stderr)
+            return STOPPED
+        matrices = run.system.matrices(run.position[-1], run.velocity[-1], t, run.states[-1])
     if args.npz:
         _save(args.npz, matrices, t)
         print(f"wrote {args.npz}")

@@ -66,7 +66,8 @@ def _run(args: argparse.Namespace) -> int:
         _summarise(run, output)
     if run.status == "complete":
         return DONE
-    print(f"{model.name}: {run.status}", file=sys.stderr)
+    if args.quiet:
+        print(f"{model.name}: {run.status}", file=sys.stderr)
     return INTERRUPTED if run.status.startswith("stopped: interrupted") else STOPPED
 
 

@@ -63,8 +63,9 @@ def sketch(model: Model) -> Sketch:
     out = Sketch((GROUND, *model.bodies))
     used = [ref for joint in model.joints.values() for ref in joint.between]
     for joint in model.joints.values():
-        first = joint.between[0]
-        out.add("vertices", first.body, "joint", partial(_ends, (first,)), 1)
+        if joint.type != "free":
+            first = joint.between[0]
+            out.add("vertices", first.body, "joint", partial(_ends, (first,)), 1)
     for point in model.ground.points:
         if point != ORIGIN:
             out.add("vertices", GROUND, "ground point", partial(_ends, (PointRef(GROUND, point),)), 1)

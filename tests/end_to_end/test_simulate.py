@@ -1,6 +1,6 @@
 """A run that is stopped, whatever stops it, leaves what was computed until then.
 
-Run as a program, this file is such a run: `test_simulate.py ARCHIVE` simulates the five-bar for a very long time and
+Run as a program, this file is such a run: `test_simulate.py ARCHIVE` simulates the five-bar for very long and
 prints the status that `simulate` returns with.
 """
 
