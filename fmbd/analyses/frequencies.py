@@ -18,7 +18,7 @@ from fmbd.system import System
 
 Array = np.ndarray
 
-#: A frequency below this share of the highest is zero to round-off.
+#: A frequency below this share of what the springs could do to the masses alone is zero to round-off.
 _ROUND_OFF = 1e-9
 
 
@@ -41,8 +41,9 @@ def natural_frequencies(system: System, q: Array | None = None, t: float = 0.0) 
     A = np.linalg.solve(L, rows[planar.constraints["pathway"]].T)
     kept = A[:, independent_rows(A.T)]
     R = np.linalg.qr(kept, mode="complete")[0][:, kept.shape[1] :]
-    omega = np.linalg.svd(np.linalg.solve(L, G.T).T @ R, compute_uv=False)[::-1]
-    omega[omega < _ROUND_OFF * omega.max(initial=0.0)] = 0.0
+    G = np.linalg.solve(L, G.T).T
+    omega = np.linalg.svd(G @ R, compute_uv=False)[::-1]
+    omega[omega < _ROUND_OFF * np.linalg.norm(G)] = 0.0
     return np.concatenate([np.zeros(R.shape[1] - omega.size), omega]) / (2.0 * np.pi)
 
 

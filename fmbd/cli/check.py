@@ -121,7 +121,11 @@ def _freedom(system: "System") -> Iterator[tuple[str, str]]:
         f"- {freedom.independent} independent constraints{rigid}",
     )
     for redundancy in freedom.redundant[:ROWS]:
-        yield "redundant", f"{redundancy.constraint} follows from {shown(redundancy.follows_from)}"
+        yield "redundant", f"{redundancy.constraint} {_why(redundancy.follows_from)}"
+
+
+def _why(constraints: tuple[str, ...]) -> str:
+    return f"follows from {shown(constraints)}" if constraints else "holds what cannot move"
 
 
 def _start(system: "System") -> "Table":
@@ -182,7 +186,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
         return
     some = found[found > 0.0]
     if not some.size:
-        yield label, "none: nothing is elastic"
+        yield label, "none: no spring or beam opposes a motion"
         return
     free = f"; {found.size - some.size} motions are free" if some.size < found.size else ""
     most = f", ... {_g(some[-1], 4)}" if some.size > FREQUENCIES else ""

@@ -70,7 +70,7 @@ def unknown_quantity(name: str, known: Mapping[str, Quantity], model: Model) -> 
     """The error for a name that is not among the known ones, with the nearest that is."""
     part, _, rest = name.partition(".")
     beam = model.bodies.get(part)
-    if rest.rpartition(".")[2] == "stress" and isinstance(beam, Beam):
+    if rest.endswith("stress") and isinstance(beam, Beam) and f"{part}.stress" not in known:
         return UnknownQuantity(f"no quantity '{name}': beam '{part}' has no section with a height")
     own = [candidate for candidate in known if candidate.startswith(f"{part}.")]
     near = closest(name, own or known)
@@ -79,7 +79,7 @@ def unknown_quantity(name: str, known: Mapping[str, Quantity], model: Model) -> 
 
 
 def _archived(source: Source) -> Named:
-    yield "time", Quantity("s", lambda run: run.time)
+    yield "time", Quantity("s", lambda run: run.time.copy())
     for k, name in enumerate(source.coordinates):
         for matrix, suffix in (("position", ""), ("velocity", ".rate"), ("acceleration", ".acceleration")):
             yield name + suffix, Quantity(source.units[matrix][k], partial(_column, matrix, k))
@@ -95,11 +95,11 @@ def _archived(source: Source) -> Named:
 
 
 def _column(matrix: str, k: int, run: "Run") -> Array:
-    return getattr(run, matrix)[:, k]
+    return getattr(run, matrix)[:, k].copy()
 
 
 def _scalar(name: str, run: "Run") -> Array:
-    return run.source.result(name)
+    return run.source.result(name).copy()
 
 
 def _computed(model: Model) -> Named:

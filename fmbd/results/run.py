@@ -24,8 +24,9 @@ Array = NDArray[np.float64]
 class Run:
     """Results by name: `run["rod.end.position"]`; what the names mean stands in quantities.py.
 
-    nt output times, nq coordinates, nc constraints, nz first-order states. A run that was
-    stopped has the output times that it reached. `source` is what it is read from, a `recording.Recording` or a `reader.Archive`.
+    nt output times, nq coordinates, nc constraints, nz first-order states. A run that was stopped has
+    the output times that it reached. `source` is what it is read from, a `recording.Recording` or a
+    `reader.Archive`.
     """
 
     def __init__(

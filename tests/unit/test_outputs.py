@@ -146,6 +146,15 @@ def test_the_force_in_the_cut_joint_is_the_multiplier(five_bar: fmbd.Run) -> Non
     assert_allclose(five_bar["effector.force"][:, 0], five_bar["multipliers.effector.x"], rtol=1e-9)
 
 
+def test_what_is_given_out_may_be_changed(five_bar: fmbd.Run) -> None:
+    """A user's `angle *= 180 / pi` leaves the run as it is."""
+    for name in ("time", "shoulder_right.angle", "energy.kinetic", "effector.force", "rod_right.deflection"):
+        kept = five_bar[name].copy()
+        given = five_bar[name]
+        given *= 180.0 / np.pi
+        np.testing.assert_array_equal(five_bar[name], kept, err_msg=name)
+
+
 def test_names_say_unit_and_columns(five_bar: fmbd.Run) -> None:
     assert five_bar.units("shoulder_right.angle.rate") == "rad/s"
     assert five_bar.units("rod_right.bending_moment") == "N m"

@@ -1,0 +1,145 @@
+"""Degrees of freedom, redundant constraints, natural frequencies and the steps that they ask for."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh, null_space
+
+from fmbd.analyses import longest_step, mobility, natural_frequencies
+from fmbd.model import load_model, load_model_text
+from fmbd.solvers.tableau import tableau
+from fmbd.system import assemble
+
+FIVE_BAR = Path(__file__).parents[2] / "models" / "five_bar.yaml"
+FOUR_BARS = FIVE_BAR.with_name("four_bars.yaml")
+
+
+def build(**parts):
+    return assemble(load_model_text(yaml.safe_dump({"fmbd": 1, **parts}, sort_keys=False)))
+
+
+def crank(length=0.5):
+    return {"type": "rigid", "mass": 1, "inertia": 0.1, "points": {"end": [length, 0]}}
+
+
+def revolute(a, b):
+    return {"type": "revolute", "between": [a, b]}
+
+
+def table_on_cranks():
+    """A table on three parallel cranks of one length: two would do."""
+    feet = {f"foot{k}": revolute(f"ground.F{k}", f"crank{k}.origin") for k in range(3)}
+    heads = {f"head{k}": revolute(f"crank{k}.end", f"table.H{k}") for k in range(3)}
+    table = {"type": "rigid", "mass": 1, "inertia": 0.1, "points": {f"H{k}": [k, 0] for k in range(3)}}
+    return build(
+        ground={"points": {f"F{k}": [k, 0] for k in range(3)}},
+        bodies={f"crank{k}": crank() for k in range(3)} | {"table": table},
+        joints=feet | heads,
+        initial={"joints": {"foot0": 1.0}},
+    )
+
+
+def test_freedom_of_the_five_bar():
+    """Four joints, two rotors and two deflections and slopes, less the two constraints of the effector. As a
+    mechanism of rigid links it has two degrees of freedom (Gruebler: 3 x 4 bodies - 2 x 5 joints)."""
+    found = mobility(assemble(load_model(FIVE_BAR)))
+    assert found.coordinates == 10
+    assert found.degrees_of_freedom == 8
+    assert found.rigid == 2
+    assert found.redundant == ()
+
+
+def test_one_crank_too_many_is_named():
+    """The third crank can only repeat what the first two say of the table's height and tilt."""
+    found = mobility(table_on_cranks())
+    assert found.degrees_of_freedom == 1
+    [redundancy] = found.redundant
+    assert redundancy.constraint == "head2.y"
+    assert set(redundancy.follows_from) == {"head1.x", "head1.y", "head2.x"}
+
+
+def test_a_second_weld_is_redundant_whole():
+    weld = {"type": "weld", "between": ["ground.origin", "base.origin"]}
+    found = mobility(
+        build(
+            bodies={"base": crank(), "arm": crank()},
+            joints={"first": weld, "second": weld, "hinge": revolute("base.end", "arm.origin")},
+        )
+    )
+    assert found.degrees_of_freedom == 1
+    assert [(r.constraint, r.follows_from) for r in found.redundant] == [
+        ("second.x", ()),
+        ("second.y", ()),
+        ("second.angle", ()),
+    ]
+
+
+def test_freedom_grows_at_a_singular_position():
+    """Two parallelograms that lie flat: all x constraints are lost, and each could fold into the other mode."""
+    system = assemble(load_model(FOUR_BARS))
+    assert mobility(system).degrees_of_freedom == 1
+    assert mobility(system, np.zeros(5)).degrees_of_freedom == 3
+
+
+@pytest.mark.parametrize("elements", [1, 3])
+def test_frequencies_are_those_of_mass_and_stiffness_matrix(elements):
+    """Generalised eigenvalues of K and M on the motions that Phi_q allows; two motions are free."""
+    system = assemble(load_model(FIVE_BAR, {"bodies.*.elements": elements}))
+    m = system.matrices()
+    N = null_space(m.Phi_q)
+    omega2 = eigh(N.T @ m.K @ N, N.T @ m.M @ N, eigvals_only=True)
+    found = natural_frequencies(system)
+    assert_allclose(found[2:], np.sqrt(omega2[2:]) / (2 * np.pi), rtol=1e-10)
+    assert_allclose(found[:2], 0, atol=0)
+
+
+def test_low_frequencies_survive_high_ones():
+    """Rotors locked, 100 elements a rod, whose highest frequency is 1.4 MHz: the first are those of the continuum.
+
+    The discretisation leaves 5e-10 Hz in the lowest; eigenvalues of K and M would miss it by 1e-7 Hz. Source of the
+    numbers: exact functions of the beam, computed for this project by another program.
+    """
+    spring = {"stiffness": 5000}
+    locked = {
+        "motors": {},
+        "controllers": {},
+        "joints.shoulder_right.spring": spring,
+        "joints.shoulder_left.spring": spring,
+        "bodies.*.elements": 100,
+    }
+    found = natural_frequencies(assemble(load_model(FIVE_BAR, locked)))
+    continuum = [17.3832634601, 21.5283483340, 28.0668659431, 28.5029329125, 111.4177309997, 111.9319859889]
+    assert_allclose(found[:6], continuum, rtol=2e-8)
+    assert_allclose(found[0], continuum[0], rtol=0, atol=1e-9)
+
+
+def test_a_mass_on_two_springs():
+    """omega^2 = k/m along each of two springs at right angles; turning is free."""
+    springs = {"along": ([2, 0], 50.0), "across": ([0, 3], 8.0)}
+    system = build(
+        ground={"points": {name: at for name, (at, _) in springs.items()}},
+        bodies={"disc": {"type": "rigid", "mass": 2.0, "inertia": 0.1}},
+        joints={"loose": {"type": "free", "between": ["ground.origin", "disc.origin"]}},
+        springs={
+            name: {"type": "point_to_point", "between": [f"ground.{name}", "disc.origin"], "stiffness": k}
+            for name, (_, k) in springs.items()
+        },
+    )
+    assert_allclose(2 * np.pi * natural_frequencies(system), [0, 2, 5], atol=1e-12)
+
+
+def test_a_coordinate_without_mass_has_no_frequency():
+    massless = {"type": "rigid", "mass": 0, "inertia": 0}
+    system = build(bodies={"ghost": massless}, joints={"hinge": revolute("ground.origin", "ghost.origin")})
+    with pytest.raises(np.linalg.LinAlgError):
+        natural_frequencies(system)
+
+
+def test_longest_step_of_the_classical_runge_kutta_method():
+    """It is stable on the imaginary axis up to h omega = 2 sqrt 2 (Hairer, Wanner II, section IV.2)."""
+    stages = ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0))
+    classical = tableau(4, (0, 0.5, 0.5, 1), stages, (1 / 6, 1 / 3, 1 / 3, 1 / 6), [(0,) * 4], (), ())
+    assert_allclose(2 * np.pi * longest_step(classical, 1.0), 2 * np.sqrt(2), atol=0.005)
