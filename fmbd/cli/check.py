@@ -59,7 +59,10 @@ def _bodies(system: "System") -> "Table":
     for i, (link, branch) in enumerate(zip(links[:ROWS], _branches(system), strict=False)):
         if link.motor is not None:
             motor = system.model.motors[link.motor]
-            by, what = f"{link.motor} ({motor.type}, gear {motor.gear_ratio:g})", f"{motor.rotor_inertia:g} kg m^2"
+            by, what = (
+                f"{link.motor} ({motor.type}, gear {motor.gear_ratio:g})",
+                f"{motor.rotor_inertia:g} kg m^2",
+            )
         else:
             by = f"{link.joint} ({system.model.joints[str(link.joint)].type})"
             what = _body(system, i, link.name)
@@ -76,7 +79,8 @@ def _body(system: "System", i: int, name: str) -> str:
     beam, omega2 = system.beams[i], system.lowered.omega2[i]
     count = len(beam.nodes) - 1
     elements = "1 element" if count == 1 else f"{count} elements"
-    return f"{mass}, beam of {beam.length:g} m, {elements}; alone from {_g(omega2[0] ** 0.5 / tau, 4)} Hz"
+    first = f"first frequency {_g(omega2[0] ** 0.5 / tau, 4)} Hz ({beam.frame})"
+    return f"{mass}, beam of {beam.length:g} m, {elements}, {first}"
 
 
 def _branches(system: "System") -> Iterator[str]:
@@ -105,14 +109,14 @@ def _freedom(system: "System") -> Iterator[tuple[str, str]]:
     """Loops, coordinates, degrees of freedom and what holds them twice."""
     from fmbd.analyses import mobility
 
-    for name in system.tree.cut:
+    for name in system.tree.cut[:ROWS]:
         joint = system.model.joints[name]
         ends = " and ".join(f"{ref.body}.{ref.point}" for ref in joint.between)
         yield "loop", f"closed by {name} ({joint.type}) of {ends}"
     elastic = int(system.elastic.sum())
     rotors = int(system.planar.bodies["rotor"].sum())
     parts = (system.planar.nq - elastic - rotors, "of joints"), (rotors, "of rotors"), (elastic, "elastic")
-    yield "coordinates", f"{system.planar.nq}: " + ", ".join(f"{n} {what}" for n, what in parts if n)
+    yield "coordinates", ", ".join(f"{n} {what}" for n, what in parts if n) or "none"
     freedom = mobility(system)
     rigid = f"; {freedom.rigid} of the rigid mechanism" if elastic or rotors else ""
     yield (
@@ -191,12 +195,18 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     free = f"; {found.size - some.size} motions are free" if some.size < found.size else ""
     most = f", ... {_g(some[-1], 4)}" if some.size > FREQUENCIES else ""
     yield label, f"{', '.join(_g(f, 4) for f in some[:FREQUENCIES])}{most} Hz{free}"
-    yield "", "at the start, motors free, undamped; stiffness of beams and springs only, no gravity, no preload"
+    yield (
+        "",
+        "at the start, motors free, undamped; stiffness of beams and springs only, no gravity, no preload",
+    )
     simulation = system.model.simulation
     step = longest_step(method(simulation.method), float(some[-1]))
     if step < simulation.duration / 100.0:
         count = float(f"{simulation.duration / step:.2g}")
-        yield "steps", f"the highest frequency keeps {simulation.method} below {step:.1e} s: {count:,.0f} steps or more"
+        yield (
+            "steps",
+            f"the highest frequency keeps {simulation.method} below {step:.1e} s: {count:,.0f} steps or more",
+        )
 
 
 def _simulation(system: "System") -> Iterator[tuple[str, str]]:

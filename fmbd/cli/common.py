@@ -136,7 +136,9 @@ def suffixed(suffix: str) -> Callable[[str], Path]:
 
     def path(text: str) -> Path:
         if Path(text).suffix.lower() != suffix:
-            raise argparse.ArgumentTypeError(f"'{text}' does not end in {suffix}, which is what can be written")
+            raise argparse.ArgumentTypeError(
+                f"'{text}' does not end in {suffix}, which is what can be written"
+            )
         return Path(text)
 
     return path

@@ -105,7 +105,9 @@ def _save(path: Path, matrices: "Matrices", t: float) -> None:
 
 def _report(m: "Matrices", digits: int) -> Iterator[str]:
     """All vectors beside the names, then all matrices with numbered columns."""
-    coordinates, inputs, constraints = (_numbered(names) for names in (m.coordinates, m.inputs, m.constraints))
+    coordinates, inputs, constraints = (
+        _numbered(names) for names in (m.coordinates, m.inputs, m.constraints)
+    )
     vectors = list(zip(m.q, m.v, m.g, m.f, strict=True))
     yield from _table("coordinates", coordinates, ["q", "q'", "g", "f"], vectors, digits)
     if inputs:

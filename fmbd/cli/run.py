@@ -39,7 +39,11 @@ def add(commands: Any) -> None:
     )
     add_model(parser)
     parser.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, help=f"the archive (default: the model's name + {SUFFIX})"
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=Path,
+        help=f"the archive (default: the model's name + {SUFFIX})",
     )
     for key, metavar, what in (
         ("method", "NAME", "dop853, rk45 or baumgarte"),
@@ -55,7 +59,9 @@ def _run(args: argparse.Namespace) -> int:
     from fmbd.results.simulate import simulate
 
     given = {key: getattr(args, key) for key in ("method", "rtol", "duration")}
-    model = read_model(args, **{f"simulation.{key}": value for key, value in given.items() if value is not None})
+    model = read_model(
+        args, **{f"simulation.{key}": value for key, value in given.items() if value is not None}
+    )
     output = args.output or Path(re.sub(r"[^\w.-]+", "_", model.name) + SUFFIX)
     if refusal := _refusal(output):
         print(refusal, file=sys.stderr)
@@ -112,7 +118,10 @@ def _summarise(run: "Run", output: Path) -> None:
     show(f"{run.model.name}: {run.status}", style="bold")
     rows = [
         ("method", f"{simulation.method}, rtol {simulation.rtol:g}, atol {simulation.atol:g}"),
-        ("simulated", f"{run.statistics['time_reached']:g} of {simulation.duration:g} s, {len(run.time)} outputs"),
+        (
+            "simulated",
+            f"{run.statistics['time_reached']:g} of {simulation.duration:g} s, {len(run.time)} outputs",
+        ),
         *course(run.statistics),
         ("archive", f"{output} ({size:.3g} MB); ParaView plays it"),
         ("next", f"fmbd info {output}"),

@@ -6,6 +6,9 @@ import yaml
 
 from fmbd.model.document import scalar
 
+# PyYAML writes these as they are and reads them as ends of lines
+_LINE_BREAKS = set("\x85\u2028\u2029")
+
 
 class _Dumper(yaml.SafeDumper):
     """Writes what `document.parse` reads back as the same data."""
@@ -16,7 +19,8 @@ class _Dumper(yaml.SafeDumper):
 
 def _text(dumper: _Dumper, value: str) -> yaml.ScalarNode:
     """Text that would be read as something else is quoted: a parameter '1e-6' stays an expression."""
-    style = None if isinstance(scalar(value), str) else '"'
+    plain = isinstance(scalar(value), str) and not _LINE_BREAKS & set(value)
+    style = None if plain else '"'
     return dumper.represent_scalar("tag:yaml.org,2002:str", value, style)
 
 

@@ -15,9 +15,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import config, njit
+import numba
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+# read at run time, so that the environment and numba.config both count
+config: Any = numba.config
 
 _PACKAGE = Path(__file__).parents[1]
 # fused multiply-add, and one reciprocal for several divisions: the last digit may differ
@@ -64,7 +67,7 @@ def _decorator(**options: Any) -> Decorator:
         chosen = config.CACHE_DIR
         config.CACHE_DIR = str(cache_folder())
         try:
-            kernel: Callable[..., Any] = njit(**(common | options))(function)
+            kernel: Callable[..., Any] = numba.njit(**(common | options))(function)
         finally:
             config.CACHE_DIR = chosen
         return kernel

@@ -167,7 +167,7 @@ def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
         sx, sy, sz = joint_direction(b, f, d)
         hx, hy, hz = _times(f, sx, sy, sz)
         D = sx * hx + sy * hy + sz * hz
-        if not D > least:
+        if not least < D:
             return False
         u = sx * f.gx + sy * f.gy + sz * f.gz
         f.U[d, 0], f.U[d, 1], f.U[d, 2] = hx, hy, hz

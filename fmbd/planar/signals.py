@@ -34,41 +34,17 @@ from fmbd.planar.compile import compiled, part
 #: A jump comes this much early, relative to the time and to 1 s.
 EARLY = 2e-15
 CONSTANT, STEP, RAMP, SMOOTH_STEP, SINE, PULSE, EXPRESSION, TABLE = range(8)
+# fmt: off
 OPERATIONS = (
-    "const t add sub mul div pow neg sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt abs min max hypot "
-    "sign floor ceil mod"
-).split()
+    "const", "t", "add", "sub", "mul", "div", "pow", "neg", "sin", "cos", "tan", "asin", "acos", "atan",
+    "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "min", "max", "hypot", "sign", "floor",
+    "ceil", "mod",
+)
 (
-    _CONST,
-    _T,
-    _ADD,
-    _SUB,
-    _MUL,
-    _DIV,
-    _POW,
-    _NEG,
-    _SIN,
-    _COS,
-    _TAN,
-    _ASIN,
-    _ACOS,
-    _ATAN,
-    _ATAN2,
-    _SINH,
-    _COSH,
-    _TANH,
-    _EXP,
-    _LOG,
-    _SQRT,
-    _ABS,
-    _MIN,
-    _MAX,
-    _HYPOT,
-    _SIGN,
-    _FLOOR,
-    _CEIL,
-    _MOD,
+    _CONST, _T, _ADD, _SUB, _MUL, _DIV, _POW, _NEG, _SIN, _COS, _TAN, _ASIN, _ACOS, _ATAN, _ATAN2, _SINH,
+    _COSH, _TANH, _EXP, _LOG, _SQRT, _ABS, _MIN, _MAX, _HYPOT, _SIGN, _FLOOR, _CEIL, _MOD,
 ) = range(len(OPERATIONS))
+# fmt: on
 
 
 @compiled
@@ -221,7 +197,7 @@ def _power(a0: float, a1: float, a2: float, b0: float, b1: float, b2: float) -> 
             return a0, a1, a2
         if b0 == 2.0:
             return a0 * a0, 2.0 * a0 * a1, 2.0 * (a1 * a1 + a0 * a2)
-        if a0 < 0.0 and b0 != floor(b0) or a0 == 0.0 and b0 < 0.0:
+        if (a0 < 0.0 and b0 != floor(b0)) or (a0 == 0.0 and b0 < 0.0):
             return nan, nan, nan
         if a0 == 0.0 and b0 < 2.0:
             # t**1.5 at t = 0: the rate is 0, the curvature has no finite value unless the base stands still

@@ -1,4 +1,4 @@
-"""From a validated model to a system of equations: spanning tree, numbering, flat arrays, start, the paper's matrices."""
+"""From a validated model to a system of equations: tree, numbering, flat arrays, start, the paper's matrices."""
 
 from fmbd.system.system import System, assemble
 

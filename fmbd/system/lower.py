@@ -49,7 +49,9 @@ class Lowered:
     springs: list[tuple[int, float, float, float]] = field(default_factory=list)
     spring_names: list[str] = field(default_factory=list)
     rest_at_start: list[int] = field(default_factory=list)
-    cut_angles: list[tuple[int, str]] = field(default_factory=list)  # pathways that follow a cut joint's angle
+    cut_angles: list[tuple[int, str]] = field(
+        default_factory=list
+    )  # pathways that follow a cut joint's angle
     turns: dict[str, float] = field(default_factory=dict)  # what the angle of a cut joint is counted from
     relaxed: list[int] = field(default_factory=list)  # pathways that are zero at the start
     planar: Planar = None  # type: ignore[assignment]

@@ -129,7 +129,7 @@ def _unreachable(lowered: Lowered, closure: Closure, joints: bool, places: bool)
 
 
 def _set_branches(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array) -> None:
-    """Count the angle of a cut joint from the turn that brings it nearest to what drives it, is given or hinted, or 0."""
+    """Count the angle of a cut joint from the turn nearest to what drives it, is given or hinted, or 0."""
     initial = lowered.model.initial
     given = _by_coordinate(initial.hints) | _by_coordinate(initial.joints)
     for joint in lowered.tree.cut:
@@ -243,7 +243,8 @@ def _constant_target(system: Any, name: str, law: Any) -> float:
     if signal.type != "constant":
         raise model.error(
             ("controllers", motor.input.name, "feedforward"),
-            "gravity compensation at the target needs a constant target; write {type: gravity_compensation, computed: online}",
+            "gravity compensation at the target needs a constant target; "
+            "write {type: gravity_compensation, computed: online}",
         )
     return float(signal.value)
 

@@ -20,7 +20,21 @@ values = st.recursive(
     | st.floats(allow_nan=False, allow_infinity=False)
     | st.text()
     | st.sampled_from(
-        ["1e-6", "on", "null", "~", "1_000", "0x10", "12:30", "2026-01-01", "- a", "a: b", "#"]
+        [
+            "1e-6",
+            "on",
+            "null",
+            "~",
+            "1_000",
+            "0x10",
+            "12:30",
+            "2026-01-01",
+            "- a",
+            "a: b",
+            "#",
+            "\x85",
+            "a\u2028b",
+        ]
     ),
     lambda parts: st.lists(parts, max_size=3) | st.dictionaries(names, parts, max_size=3),
     max_leaves=10,
