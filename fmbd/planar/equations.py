@@ -157,8 +157,9 @@ def constraint_errors(sys: Any, work: Any, t: float, q: np.ndarray, v: np.ndarra
 def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tolerance: float) -> int:
     """Move q, then v, onto the constraints, by the least change in the metric of the mass matrix.
 
-    Newton with M dq - Phi_q^T mu = 0, Phi_q dq = -Phi until |Phi| <= tolerance, or round-off (at most 8
-    times), then once for the velocities (their equations are linear). Returns the Newton steps taken, or -1 if they did not converge.
+    Newton with M dq - Phi_q^T mu = 0, Phi_q dq = -Phi until |Phi| <= tolerance, or round-off (at most 8 times), then
+    once for the velocities (their equations are linear). Returns the Newton steps taken, or -1 if they did not
+    converge.
     """
     if sys.constraints.size == 0:
         return 0
