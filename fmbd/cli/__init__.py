@@ -1,6 +1,7 @@
 """The command line, `fmbd COMMAND ...`: one file for each command, heavy imports inside them."""
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -25,17 +26,19 @@ exit codes: 0 done, 1 a run stopped before its end (its archive is kept), 2 bad 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. SystemExit for a command line that cannot be understood."""
     args = _parser().parse_args(argv)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # terminals that cannot show a name show question marks
     try:
         code: int = args.command(args)
         sys.stdout.flush()
         return code
-    except _foreseen() as error:
-        print(_in_words(error), file=sys.stderr)
-        return BAD_INPUT
     except BrokenPipeError:
         # the reader of our output, `head` perhaps, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PIPE_CLOSED
+    except _foreseen() as error:
+        print(_in_words(error), file=sys.stderr)
+        return BAD_INPUT
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
@@ -58,8 +61,6 @@ def _parser() -> argparse.ArgumentParser:
 
 def _foreseen() -> tuple[type[Exception], ...]:
     """Errors that are answered by one line; looked up when there is one, as ArchiveError brings h5py."""
-    if sys.exc_info()[0] is BrokenPipeError:
-        return ()
     from fmbd.results.archive import ArchiveError
 
     return ModelError, ArchiveError, UnknownQuantity, OSError

@@ -156,7 +156,7 @@ def _start(system: "System") -> "Table":
 
 
 def _remarks(system: "System") -> Iterator[tuple[str, str]]:
-    from numpy import abs as size
+    import numpy as np
 
     from fmbd.system.closure import RigidMechanism
 
@@ -166,8 +166,8 @@ def _remarks(system: "System") -> Iterator[tuple[str, str]]:
         yield "place", f"{name} at ({x:.6g}, {y:.6g}) m"
     if system.planar.held.size:
         mechanism = RigidMechanism(system.lowered, system.reference)
-        miss = size(mechanism.equations(system.start.q, {}, {})[0]).max(initial=0.0)
-        yield "loops", f"closed to {miss:.1e} m"
+        miss = np.abs(mechanism.equations(system.start.q, {}, {})[0]).max()
+        yield "loops", f"closed to {miss:.1e} m or rad"
     for remark in system.start.remarks:
         yield "remark", remark
 
@@ -195,10 +195,8 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     free = f"; {found.size - some.size} motions are free" if some.size < found.size else ""
     most = f", ... {_g(some[-1], 4)}" if some.size > FREQUENCIES else ""
     yield label, f"{', '.join(_g(f, 4) for f in some[:FREQUENCIES])}{most} Hz{free}"
-    yield (
-        "",
-        "at the start, motors free, undamped; stiffness of beams and springs only, no gravity, no preload",
-    )
+    motors = "motors free, " if system.model.motors else ""
+    yield "", f"at the start, {motors}undamped; stiffness of beams and springs only, no gravity, no preload"
     simulation = system.model.simulation
     step = longest_step(method(simulation.method), float(some[-1]))
     if step < simulation.duration / 100.0:
@@ -222,12 +220,10 @@ def _motors(system: "System") -> Iterator[tuple[str, str]]:
     from fmbd.model import ControllerRef
 
     for k, (name, motor) in enumerate(list(system.model.motors.items())[:ROWS]):
-        text = f"moves {motor.joint}, gear {motor.gear_ratio:g}"
-        if motor.transmission is not None:
-            text += f", elastic by {motor.transmission.stiffness:g} N m/rad"
+        shaft = f" through {motor.transmission.stiffness:g} N m/rad" if motor.transmission else ""
         quantity, unit = ("voltage", "V") if motor.type == "dc" else ("torque", "N m")
         by = _law(system, k, unit) if isinstance(motor.input, ControllerRef) else _signal(motor.input, unit)
-        yield name, f"{text}; {quantity}: {by}"
+        yield name, f"moves {motor.joint}{shaft}; {quantity}: {by}"
     if len(system.model.motors) > ROWS:
         yield "motors", f"... {len(system.model.motors) - ROWS} more"
 
@@ -253,7 +249,7 @@ def _law(system: "System", k: int, unit: str) -> str:
     else:
         to = f"a {target.type} over time"
     measured = "joint" if control.pathway == record.joint_pathway else "rotor"
-    text = f"{motor.input.name} ({law.type}), {measured} to {to}"
+    text = f"{motor.input.name} ({law.type}) takes the {measured} to {to}"
     if not isinstance(law.feedforward, GravityCompensation):
         text += f", plus {_signal(law.feedforward, unit)}" * (law.feedforward != Constant(value=0.0))
     elif law.feedforward.computed == "online":

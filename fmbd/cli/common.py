@@ -116,7 +116,7 @@ def compiling_announced(quiet: bool = False) -> Iterator[None]:
     """Say so, once, if Numba begins to compile: without a word half a minute is long."""
     from numba.core import event
 
-    class Announcer(event.Listener):  # type: ignore[misc]
+    class Announcer(event.Listener):
         said = quiet
 
         def on_start(self, event: Any) -> None:

@@ -91,8 +91,8 @@ def _matrices(args: argparse.Namespace) -> int:
         _save(args.npz, matrices, t)
         print(f"wrote {args.npz}")
     else:
-        print(f"{model.name} at t = {t:g} s\n{EQUATION}")
-        print("\n".join(_report(matrices, args.precision)))
+        print(f"{model.name} at t = {t:g} s\n{EQUATION}\n")
+        print("\n".join(_report(matrices, args.precision)).rstrip())
     return DONE
 
 

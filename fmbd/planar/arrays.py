@@ -128,7 +128,7 @@ BODY_STATE = np.dtype(
     [(n, "f8") for n in ("x", "y", "angle", "c", "s", "vx", "vy", "w", "bx", "by", "bw", "ax", "ay", "aw")]
     + [(n, "f8") for n in ("px", "py", "ux", "uy", "jc", "js")]
     + [(n, "f8") for n in ("Hxx", "Hxy", "Hxz", "Hyy", "Hyz", "Hzz", "gx", "gy", "gz")]
-    + [("U", "f8", (3, 3)), ("D", "f8", (3,)), ("u", "f8", (3,))],
+    + [("U", "f8", (3, 3)), ("per_D", "f8", (3,)), ("u", "f8", (3,))],
     align=True,
 )
 STATION_STATE = np.dtype(

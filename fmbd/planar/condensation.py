@@ -101,8 +101,12 @@ def eliminate_modes(
     slot_y: np.ndarray,
     block: np.ndarray,
 ) -> None:
-    """Condense the rows of a flexible body into its H, g and slots; rows[].free becomes y at zero a."""
+    """Condense the rows of a flexible body into its H, g and slots; rows[].free becomes y at zero a.
+
+    Of a body with nothing on its rows only the first two, s and p, couple with its frame.
+    """
     n = b.nrow
+    moving = n if b.coupled == 1 else 2
     for r in range(n):
         row = rows[b.row0 + r]
         row.push = row.g
@@ -113,21 +117,22 @@ def eliminate_modes(
     for r in range(n):
         row = rows[b.row0 + r]
         nx, ny, nz = 0.0, 0.0, 0.0
-        for j in range(n):
+        for j in range(moving):
             weight = N[b.gram0 + r * n + j]
             other = rows[b.row0 + j]
             nx += weight * other.Hx
             ny += weight * other.Hy
             nz += weight * other.Hz
-        f.Hxx -= row.Hx * nx
-        f.Hxy -= row.Hx * ny
-        f.Hxz -= row.Hx * nz
-        f.Hyy -= row.Hy * ny
-        f.Hyz -= row.Hy * nz
-        f.Hzz -= row.Hz * nz
-        f.gx -= row.Hx * row.free
-        f.gy -= row.Hy * row.free
-        f.gz -= row.Hz * row.free
+        if r < moving:
+            f.Hxx -= row.Hx * nx
+            f.Hxy -= row.Hx * ny
+            f.Hxz -= row.Hx * nz
+            f.Hyy -= row.Hy * ny
+            f.Hyz -= row.Hy * nz
+            f.Hzz -= row.Hz * nz
+            f.gx -= row.Hx * row.free
+            f.gy -= row.Hy * row.free
+            f.gz -= row.Hz * row.free
         for m in range(b.nslot):
             s = slots[b.slot0 + m]
             own = slot_y[s.row0 + r]
@@ -170,7 +175,9 @@ def put_back_rows(
     n = b.nrow
     for r in range(n):
         row = rows[b.row0 + r]
-        row.push = -(row.Hx * f.ax + row.Hy * f.ay + row.Hz * f.aw)
+        row.push = 0.0
+        if r < 2 or b.coupled == 1:
+            row.push = -(row.Hx * f.ax + row.Hy * f.ay + row.Hz * f.aw)
         for m in range(b.slot0, b.slot0 + b.nslot):
             row.push += slot_y[slots[m].row0 + r] * reactions[slots[m].constraint].multiplier
         row.g += row.push

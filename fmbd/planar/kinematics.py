@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import inner, part, part_sums
+from fmbd.planar.compile import part, part_sums
 
 
-@inner
+@part
 def kinematics(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> None:
     """Fill the frames of all bodies and stations from the coordinates q and rates v, both (nq,)."""
     for i in range(sys.bodies.size):

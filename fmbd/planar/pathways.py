@@ -10,10 +10,10 @@ from math import cos, hypot, sin
 from typing import Any
 
 from fmbd.planar.arrays import ALONG_X, ANGLE, DISTANCE, WORLD_X, WORLD_Y
-from fmbd.planar.compile import inner, part
+from fmbd.planar.compile import part
 
 
-@inner
+@part
 def pathways(sys: Any, work: Any) -> None:
     """Value, rate and bias of all pathways from the frames of the stations."""
     for k in range(sys.pathways.size):

@@ -11,7 +11,7 @@ Then outwards, everything is put back in the reverse order.
     H, g         articulated inertia and wrench (3 x 3 symmetric, 3): H a = g + reaction
     H_row, Hyy   coupling of the rows of a flexible body with a, and among themselves; rows[].g forces on them
     y            R eta'', acceleration of the rows
-    U, D, u      per joint direction s: U = H s, D = s.U, u = s.g (for a slot: its own u)
+    U, D, u      per joint direction s: U = H s, D = s.U (kept as 1 / D), u = s.g (for a slot: its own u)
 """
 
 from typing import Any
@@ -48,6 +48,10 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
         constraint_columns(path, sys.terms, work.geometry, sys.stations, work.points, frames, slots, slot_y)
     for i in range(sys.bodies.size - 1, -1, -1):
         b, f = sys.bodies[i], frames[i]
+        if b.rotor == 1 and b.parent < 0 and b.nslot == 0:
+            # a rotor on the ground meets nothing but the torques on it
+            qdd[b.coordinate[2]] = f.gz / b.J
+            continue
         if b.nf > 0:
             if b.coupled == 1:
                 hold_by_rows(b, f, sys.stations[b.inner], rows, Hyy, slots, slot_y)
@@ -73,6 +77,8 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
         open_loops(slots, block, reactions, sys.ground_slot0, n, n, sys.ground_block0, 0.0, 0.0, 0.0)
     for i in range(sys.bodies.size):
         b, f = sys.bodies[i], frames[i]
+        if b.rotor == 1 and b.parent < 0 and b.nslot == 0:
+            continue
         ax, ay, aw = 0.0, 0.0, 0.0
         if b.parent >= 0:
             ax, ay, aw = outer_acceleration(
@@ -170,23 +176,29 @@ def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
         if not least < D:
             return False
         u = sx * f.gx + sy * f.gy + sz * f.gz
+        per_D = 1.0 / D
         f.U[d, 0], f.U[d, 1], f.U[d, 2] = hx, hy, hz
-        f.D[d], f.u[d] = D, u
-        add_rank_one(f, -1.0 / D, hx, hy, hz)
-        f.gx -= hx * u / D
-        f.gy -= hy * u / D
-        f.gz -= hz * u / D
+        f.per_D[d], f.u[d] = per_D, u
+        add_rank_one(f, -per_D, hx, hy, hz)
+        u *= per_D
+        f.gx -= hx * u
+        f.gy -= hy * u
+        f.gz -= hz * u
         for m in range(b.closed, b.nslot):
             s = slots[b.slot0 + m]
             us = sx * s.gx + sy * s.gy + sz * s.gz
             s.u[d] = us
-            s.gx -= hx * us / D
-            s.gy -= hy * us / D
-            s.gz -= hz * us / D
-            s.rhs -= us * u / D
-        for m in range(b.closed, b.nslot):
-            for j in range(b.closed, b.nslot):
-                block[b.block0 + m * b.nslot + j] += slots[b.slot0 + m].u[d] * slots[b.slot0 + j].u[d] / D
+            s.rhs -= us * u
+            us *= per_D
+            s.gx -= hx * us
+            s.gy -= hy * us
+            s.gz -= hz * us
+            # the block is symmetric: row m against the slots seen so far
+            for j in range(b.closed, m + 1):
+                value = us * slots[b.slot0 + j].u[d]
+                block[b.block0 + m * b.nslot + j] += value
+                if j != m:
+                    block[b.block0 + j * b.nslot + m] += value
     return True
 
 
@@ -278,7 +290,7 @@ def _put_back_joint(
         value = f.u[d] - f.U[d, 0] * ax - f.U[d, 1] * ay - f.U[d, 2] * aw
         for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
             value += slots[m].u[d] * reactions[slots[m].constraint].multiplier
-        value /= f.D[d]
+        value *= f.per_D[d]
         qdd[b.coordinate[d]] = value
         ax += sx * value
         ay += sy * value

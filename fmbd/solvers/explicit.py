@@ -172,7 +172,7 @@ def _aim(mem: Any, options: Any) -> None:
     count[PHASE], count[ROW] = STAGES, 1
 
 
-@inner
+@part
 def _point(tableau: Any, mem: Any) -> None:
     """Put the state at which f is wanted into mem.trial, its time into clock[POINT]; its row is count[ROW]."""
     clock, count = mem.clock, mem.counters
@@ -197,7 +197,7 @@ def _point(tableau: Any, mem: Any) -> None:
         clock[POINT] = min(clock[LAST_START] + tableau.c[row] * clock[LAST_STEP], clock[BEFORE_BREAK])
 
 
-@inner
+@part
 def _use(tableau: Any, mem: Any, options: Any) -> bool:
     """Go on with the value of f in k[count[ROW]]; False if the step has become too small."""
     clock, count = mem.clock, mem.counters
@@ -299,8 +299,8 @@ def _error(tableau: Any, mem: Any, h: float, options: Any) -> float:
 
 @part
 def _norm(error: np.ndarray, y0: np.ndarray, y1: np.ndarray, options: Any) -> float:
-    """Root mean square of error / (atol + rtol max(|y0|, |y1|)); the two energies at the end do not count."""
-    n = error.size - 2
+    """Root mean square of error / (atol + rtol max(|y0|, |y1|))."""
+    n = error.size
     total = 0.0
     for k in range(n):
         scaled = error[k] / (options.atol + options.rtol * max(abs(y0[k]), abs(y1[k])))

@@ -118,16 +118,16 @@ def integrate(
     breaks = np.append(system.lowered.signals.breakpoints(end), end)
     initial_energy: float | None = None
     first = 0
-    # the compiled loop allocates nothing, so it may be entered for one time only
     while first < times.size:
         chunk = times[first : first + BLOCK]
         out = np.zeros((chunk.size, y0.size))
-        filled, status = 0, RUNNING
-        while filled < chunk.size and status == RUNNING and not statistics.reason:
-            if mem.clock[NOW] >= end and chunk[filled] > mem.clock[NOW]:
-                break
+        filled, status, ended = 0, RUNNING, False
+        while filled < chunk.size and status == RUNNING and not ended:
+            # a run that is ended from outside still writes the output times that it has passed
+            ended = bool(statistics.reason)
+            attempts = 0 if ended else ATTEMPTS
             done, status = advance(
-                planar, work, tableau, mem, breaks, options, chunk[filled:], out[filled:], ATTEMPTS
+                planar, work, tableau, mem, breaks, options, chunk[filled:], out[filled:], attempts
             )
             filled += done
             statistics.update(mem)
@@ -141,7 +141,7 @@ def integrate(
             yield block
         if status != RUNNING:
             statistics.reason = _reason(system, mem, status)
-        if statistics.reason:
+        if statistics.reason and filled < chunk.size:
             return
         first += BLOCK
 

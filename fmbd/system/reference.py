@@ -137,7 +137,7 @@ class Reference:
     def _affine(self, constant: Array, rows: Array, q: Array, t: Array) -> Array:
         """Dual of constant + rows q: constant (n, 3), rows (n, 3, nq+1)."""
         out = np.empty((*q.shape[:-1], *constant.shape, self.nq + 2), np.result_type(q, t, float))
-        out[..., 0] = constant + (q @ rows[..., :-1].reshape(-1, self.nq).T).reshape(
+        out[..., 0] = constant + (q @ rows[..., :-1].reshape(constant.size, self.nq).T).reshape(
             *q.shape[:-1], *constant.shape
         )
         out[..., 1:] = rows
