@@ -37,7 +37,8 @@ BODY = np.dtype(
         ("nrow", "i8"),
         ("matrix0", "i8"),  # offset of R (nrow, nf) in `rows`
         ("gram0", "i8"),  # offset of R R^T (nrow, nrow) in `gram`
-        ("coupled", "i8"),  # something with inertia hangs on a row, or the body is held by a row
+        ("coupled", "i8"),  # something with inertia hangs on a row
+        ("hold", "i8"),  # index of its record in Work.holds if a row of its own holds it, else -1
         ("station0", "i8"),
         ("nstation", "i8"),
         ("slot0", "i8"),
@@ -70,7 +71,8 @@ TERM = np.dtype(
 )
 PATHWAY = np.dtype([("term0", "i8"), ("nterm", "i8"), ("offset", "f8")], align=True)
 SPRING = np.dtype([("pathway", "i8"), ("k", "f8"), ("d", "f8"), ("rest", "f8")], align=True)
-CONSTRAINT = np.dtype([("pathway", "i8"), ("driver", "i8")], align=True)
+# freedom: what a unit multiplier would accelerate the heaviest of the bodies by, were it free
+CONSTRAINT = np.dtype([("pathway", "i8"), ("driver", "i8"), ("freedom", "f8")], align=True)
 LOAD = np.dtype(
     [("station", "i8"), ("fx", "i8"), ("fy", "i8"), ("moment", "i8"), ("following", "i8")], align=True
 )
@@ -144,8 +146,14 @@ ROW_STATE = np.dtype(
 # One column of Phi_q^T as an articulated body sees it, and its right-hand side; the integers are constant.
 SLOT = np.dtype(
     [("constraint", "i8"), ("parent", "i8"), ("row0", "i8"), ("first_row", "i8")]
-    + [(n, "f8") for n in ("gx", "gy", "gz", "rhs", "pivot", "self_term")]
-    + [("u", "f8", (3,))],
+    + [(n, "f8") for n in ("gx", "gy", "gz", "rhs", "pivot")]
+    + [("u", "f8", (3,)), ("frame", "f8", (3,)), ("station", "f8", (3,))],
+    align=True,
+)
+# See holding.py; inverse is that of H_f, AI is A times it, E becomes its inverse.
+HOLD = np.dtype(
+    [(n, "f8", (3, 3)) for n in ("A", "AI", "inverse", "E")]
+    + [("G", "f8", (2, 3)), ("g", "f8", (3,)), ("c", "f8", (3,))],
     align=True,
 )
 CONSTRAINT_STATE = np.dtype([("target", "f8"), ("multiplier", "f8")], align=True)
@@ -195,6 +203,7 @@ class Work(NamedTuple):
     Hyy: np.ndarray  # per body (nrow, nrow), flat
     N: np.ndarray
     f_eta: np.ndarray
+    holds: Any  # of bodies held by rows
     slots: Any
     slot_y: np.ndarray
     block: np.ndarray
@@ -226,6 +235,7 @@ def allocate(system: Planar) -> Work:
         Hyy=np.zeros(system.gram.size),
         N=np.zeros(system.gram.size),
         f_eta=np.zeros(system.omega2.size),
+        holds=records(int((system.bodies["hold"] >= 0).sum()), HOLD),
         slots=system.slots.copy(),
         slot_y=np.zeros(system.slot_rows),
         block=np.zeros(system.ground_block0 + ground_slots**2),

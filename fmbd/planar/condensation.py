@@ -13,44 +13,6 @@ from fmbd.planar.compile import part, part_sums
 
 
 @part
-def hold_by_rows(
-    b: Any, f: Any, inner: Any, rows: Any, Hyy: np.ndarray, slots: Any, slot_y: np.ndarray
-) -> None:
-    """Change the unknown from the frame's acceleration to that of the inner station, whose rows move it.
-
-    a_frame = a' - G y with the columns G_w = (ey, 0) and G_s = (-z x r, 1): H, H_row, Hyy, g follow by congruence.
-    """
-    rx, ry = f.px - f.x, f.py - f.y
-    n = b.nrow
-    for turn in range(2):
-        index = inner.row_w if turn == 0 else inner.row_s
-        if index < 0:
-            continue
-        if turn == 0:
-            gx, gy, gz = -f.s, f.c, 0.0
-        else:
-            gx, gy, gz = ry, -rx, 1.0
-        hx = f.Hxx * gx + f.Hxy * gy + f.Hxz * gz
-        hy = f.Hxy * gx + f.Hyy * gy + f.Hyz * gz
-        hz = f.Hxz * gx + f.Hyz * gy + f.Hzz * gz
-        local = index - b.row0
-        for r in range(n):
-            row = rows[b.row0 + r]
-            coupling = row.Hx * gx + row.Hy * gy + row.Hz * gz
-            Hyy[b.gram0 + r * n + local] -= coupling
-            Hyy[b.gram0 + local * n + r] -= coupling
-        Hyy[b.gram0 + local * n + local] += gx * hx + gy * hy + gz * hz
-        row = rows[index]
-        row.Hx -= hx
-        row.Hy -= hy
-        row.Hz -= hz
-        row.g -= gx * f.gx + gy * f.gy + gz * f.gz
-        for k in range(b.slot0, b.slot0 + b.nslot):
-            s = slots[k]
-            slot_y[s.row0 + local] -= gx * s.gx + gy * s.gy + gz * s.gz
-
-
-@part
 def compliance(b: Any, gram: np.ndarray, Hyy: np.ndarray, N: np.ndarray, a: np.ndarray) -> None:
     """N = (I + W Hyy)^-1 W by elimination with row pivoting, in the scratch matrix a."""
     n = b.nrow

@@ -13,7 +13,7 @@ from fmbd.planar.forces import applied_forces, body_forces, clear_forces
 from fmbd.planar.gravity_compensation import compensate_gravity
 from fmbd.planar.kinematics import kinematics
 from fmbd.planar.pathways import pathways
-from fmbd.planar.recursion import joint_direction, outer_acceleration, solve
+from fmbd.planar.recursion import joint_direction, joint_reaction, outer_acceleration, solve
 from fmbd.planar.signals import evaluate_signals
 
 # of the distance from the world's origin: errors of a place that is computed along a chain of bodies
@@ -109,16 +109,7 @@ def reaction(sys: Any, work: Any, i: int) -> tuple[float, float, float]:
     if b.parent >= 0:
         p = work.frames[b.parent]
         ax, ay, aw = outer_acceleration(f, p, sys.stations[b.outer], work.points[b.outer], work.rows)
-    fx = f.Hxx * ax + f.Hxy * ay + f.Hxz * aw - f.gx
-    fy = f.Hxy * ax + f.Hyy * ay + f.Hyz * aw - f.gy
-    moment = f.Hxz * ax + f.Hyz * ay + f.Hzz * aw - f.gz
-    for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
-        s = work.slots[m]
-        multiplier = work.reactions[s.constraint].multiplier
-        fx -= s.gx * multiplier
-        fy -= s.gy * multiplier
-        moment -= s.gz * multiplier
-    return fx, fy, moment
+    return joint_reaction(b, f, work.slots, work.reactions, ax, ay, aw)
 
 
 @part

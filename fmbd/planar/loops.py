@@ -1,8 +1,8 @@
 """Multipliers of closed loops inside the recursion: one scalar at a time, at the body where the loop closes.
 
 A slot holds one column of Phi_q^T as an articulated body sees it; `block` is the Schur complement of a body's slots.
-Eliminated in order, put back in the reverse order. A pivot that vanishes marks a dependent (redundant) constraint,
-whose multiplier is set to zero.
+Eliminated in order, put back in the reverse order. A pivot that vanishes marks a dependent (redundant) constraint, or
+one that nothing can give way to (a beam pulled along its axis); its multiplier is set to zero.
 """
 
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 
 from fmbd.planar.compile import part
 
-# A pivot this small against the diagonal it came from is round-off.
+# A pivot this small against that of a free body is round-off.
 DEPENDENT = 1e-11
 
 
@@ -60,6 +60,7 @@ def close_loops(
     on_body: bool,
     slots: Any,
     block: np.ndarray,
+    constraints: Any,
     reactions: Any,
     slot0: int,
     n: int,
@@ -70,12 +71,11 @@ def close_loops(
     for c in range(closed):
         s = slots[slot0 + c]
         s.rhs += reactions[s.constraint].target
-        s.self_term = block[block0 + c * n + c]
     for c in range(closed):
         s = slots[slot0 + c]
         row = block0 + c * n
         pivot = block[row + c]
-        s.pivot = pivot if pivot > DEPENDENT * s.self_term else 0.0
+        s.pivot = pivot if pivot > DEPENDENT * constraints[s.constraint].freedom else 0.0
         if s.pivot == 0.0:
             continue
         if on_body:

@@ -23,10 +23,10 @@ from fmbd.planar.condensation import (
     compliance,
     eliminate_modes,
     free_rows,
-    hold_by_rows,
     put_back_modes,
     put_back_rows,
 )
+from fmbd.planar.holding import hold_by_rows, let_go_of_rows
 from fmbd.planar.loops import add_rank_one, close_loops, constraint_columns, hand_down, open_loops
 
 
@@ -54,12 +54,16 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
             continue
         if b.nf > 0:
             if b.coupled == 1:
-                hold_by_rows(b, f, sys.stations[b.inner], rows, Hyy, slots, slot_y)
                 compliance(b, sys.gram, Hyy, work.N, work.small)
             free_rows(b, sys.rows, work.f_eta, rows)
-            eliminate_modes(b, f, rows, Hyy, work.N if b.coupled == 1 else sys.gram, slots, slot_y, block)
-        _shift_to_joint(b, f, slots)
-        close_loops(f, True, slots, block, reactions, b.slot0, b.nslot, b.closed, b.block0)
+            N = work.N if b.coupled == 1 else sys.gram
+            eliminate_modes(b, f, rows, Hyy, N, slots, slot_y, block)
+            if b.hold >= 0:
+                inner = sys.stations[b.inner]
+                hold_by_rows(b, f, work.holds[b.hold], inner, rows, N, slots, slot_y, block)
+        if b.hold < 0:
+            _shift_to_joint(b, f, slots)
+        close_loops(f, True, slots, block, sys.constraints, reactions, b.slot0, b.nslot, b.closed, b.block0)
         if not _eliminate_joint(b, f, slots, block):
             return i
         if b.parent >= 0:
@@ -73,8 +77,9 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
             hand_down(b, slots, block, sys.ground_slot0, slots.size - sys.ground_slot0, sys.ground_block0)
     n = slots.size - sys.ground_slot0
     if n > 0:
-        close_loops(frames[0], False, slots, block, reactions, sys.ground_slot0, n, n, sys.ground_block0)
-        open_loops(slots, block, reactions, sys.ground_slot0, n, n, sys.ground_block0, 0.0, 0.0, 0.0)
+        slot0, block0 = sys.ground_slot0, sys.ground_block0
+        close_loops(frames[0], False, slots, block, sys.constraints, reactions, slot0, n, n, block0)
+        open_loops(slots, block, reactions, slot0, n, n, block0, 0.0, 0.0, 0.0)
     for i in range(sys.bodies.size):
         b, f = sys.bodies[i], frames[i]
         if b.rotor == 1 and b.parent < 0 and b.nslot == 0:
@@ -84,14 +89,19 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
             ax, ay, aw = outer_acceleration(
                 f, frames[b.parent], sys.stations[b.outer], work.points[b.outer], rows
             )
+        if b.hold >= 0:
+            fx, fy, moment = joint_reaction(b, f, slots, reactions, ax, ay, aw)
         ax, ay, aw = _put_back_joint(b, f, slots, reactions, ax, ay, aw, qdd)
         open_loops(slots, block, reactions, b.slot0, b.nslot, b.closed, b.block0, ax, ay, aw)
         rx, ry = f.px - f.x, f.py - f.y
         f.ax, f.ay, f.aw = ax + ry * aw, ay - rx * aw, aw
         if b.nf > 0:
-            put_back_rows(b, f, rows, Hyy, work.N if b.coupled == 1 else sys.gram, slots, slot_y, reactions)
+            N = work.N if b.coupled == 1 else sys.gram
+            if b.hold >= 0:
+                inner = sys.stations[b.inner]
+                let_go_of_rows(b, f, work.holds[b.hold], inner, rows, N, slots, reactions, fx, fy, moment)
+            put_back_rows(b, f, rows, Hyy, N, slots, slot_y, reactions)
             put_back_modes(b, sys.rows, work.f_eta, rows, qdd)
-            _let_go_of_rows(f, sys.stations[b.inner], rows)
     return -1
 
 
@@ -279,6 +289,23 @@ def outer_acceleration(f: Any, p: Any, outer: Any, at: Any, rows: Any) -> tuple[
 
 
 @part
+def joint_reaction(
+    b: Any, f: Any, slots: Any, reactions: Any, ax: float, ay: float, aw: float
+) -> tuple[float, float, float]:
+    """Wrench that its tree joint puts on a body at the inner station, which without the joint would accelerate by a."""
+    fx = f.Hxx * ax + f.Hxy * ay + f.Hxz * aw - f.gx
+    fy = f.Hxy * ax + f.Hyy * ay + f.Hyz * aw - f.gy
+    moment = f.Hxz * ax + f.Hyz * ay + f.Hzz * aw - f.gz
+    for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
+        s = slots[m]
+        multiplier = reactions[s.constraint].multiplier
+        fx -= s.gx * multiplier
+        fy -= s.gy * multiplier
+        moment -= s.gz * multiplier
+    return fx, fy, moment
+
+
+@part
 def _put_back_joint(
     b: Any, f: Any, slots: Any, reactions: Any, ax: float, ay: float, aw: float, qdd: np.ndarray
 ) -> tuple[float, float, float]:
@@ -296,16 +323,3 @@ def _put_back_joint(
         ay += sy * value
         aw += sz * value
     return ax, ay, aw
-
-
-@part
-def _let_go_of_rows(f: Any, inner: Any, rows: Any) -> None:
-    """The frame's own acceleration where a row of the body holds it: a - G y (see hold_by_rows)."""
-    if inner.row_w >= 0:
-        f.ax += f.s * rows[inner.row_w].y
-        f.ay -= f.c * rows[inner.row_w].y
-    if inner.row_s >= 0:
-        turn = rows[inner.row_s].y
-        f.ax -= (f.py - f.y) * turn
-        f.ay += (f.px - f.x) * turn
-        f.aw -= turn

@@ -31,7 +31,7 @@ def lower_bodies(out: Any, distributed: Sequence[dict[str, Any]]) -> dict[str, A
     """Records of bodies and stations, point inertias and distributed loads, with R, R R^T and the modes, flat."""
     bodies = records(len(out.tree.links), arrays.BODY)
     stations = records(len(out.stations), arrays.STATION)
-    bodies.coordinate = bodies.driver = bodies.outer = bodies.inner = -1
+    bodies.coordinate = bodies.driver = bodies.outer = bodies.inner = bodies.hold = -1
     coordinate = {name: k for k, (name, _) in enumerate(out.coordinates)}
     flat: list[np.ndarray] = [np.zeros(0)]
     gram: list[np.ndarray] = [np.zeros(0)]
@@ -91,7 +91,7 @@ def lower_bodies(out: Any, distributed: Sequence[dict[str, Any]]) -> dict[str, A
         n_modes += body.nf
         n_flat += R.size
         n_gram += int(body.nrow) ** 2
-    _mark_coupled(bodies, stations)
+    _mark_rows(bodies, stations)
     return {
         "bodies": bodies,
         "stations": stations,
@@ -127,16 +127,14 @@ def _hold(out: Any, link: Any, body: Any, coordinate: dict[str, int]) -> None:
             body.sliding = 1
 
 
-def _mark_coupled(bodies: Any, stations: Any) -> None:
-    """A flexible body is coupled if a child hangs on one of its rows, or if a row of its own holds it."""
+def _mark_rows(bodies: Any, stations: Any) -> None:
+    """Which flexible bodies carry a child on a row, and which are held by rows of their own."""
+    moving = (stations["row_w"] >= 0) | (stations["row_s"] >= 0)
     for body in bodies:
-        for owner, station in ((body.parent, body.outer), (-2, body.inner)):
-            k = stations[station]
-            if k.row_w >= 0 or k.row_s >= 0:
-                if owner == -2:
-                    body.coupled = 1
-                elif owner >= 0:
-                    bodies[owner].coupled = 1
+        if body.parent >= 0 and moving[body.outer]:
+            bodies[body.parent].coupled = 1
+    held = np.flatnonzero(moving[bodies["inner"]])
+    bodies.hold[held] = np.arange(held.size)
 
 
 def fill(dtype: np.dtype, rows: Sequence[dict[str, Any]]) -> Any:

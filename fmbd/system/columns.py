@@ -7,7 +7,7 @@ column is alive in every body on the way there; each (body, constraint) pair is 
 from collections.abc import Sequence
 from typing import Any
 
-from fmbd.planar.arrays import SLOT, records
+from fmbd.planar.arrays import ANGLE, SLOT, records
 
 GROUND = -1
 
@@ -35,6 +35,7 @@ def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constra
     ground: list[int] = []
     for c, constraint in enumerate(constraints):
         touched = _touched(stations, terms, pathways[constraint["pathway"]])
+        constraint["freedom"] = _freedom(bodies, stations, terms, pathways[constraint["pathway"]])
         closing = closing_body(parents, touched)
         alive = {body for start in touched for body in _path(parents, start) if body > closing}
         for body in alive:
@@ -77,3 +78,20 @@ def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constra
 def _touched(stations: Any, terms: Any, pathway: Any) -> set[int]:
     indices = range(pathway["term0"], pathway["term0"] + pathway["nterm"])
     return {int(stations[terms[j][end]]["body"]) for j in indices for end in "ab"}
+
+
+def _freedom(bodies: Any, stations: Any, terms: Any, pathway: Any) -> float:
+    """The least acceleration along a pathway that a unit force along it gives to one of its bodies, were that free."""
+    found = []
+    for j in range(pathway["term0"], pathway["term0"] + pathway["nterm"]):
+        for end in "ab":
+            k = int(stations[terms[j][end]]["body"])
+            if k == GROUND:
+                continue
+            body, inner = bodies[k], stations[bodies[k]["inner"]]
+            # about the joint that carries the body, or more
+            turning = body["J"] + body["mass"] * (inner["ax"] ** 2 + inner["ay"] ** 2)
+            inertia = float(turning if terms[j]["kind"] == ANGLE else body["mass"])
+            if inertia > 0.0:
+                found.append(float(terms[j]["coefficient"]) ** 2 / inertia)
+    return min(found, default=0.0)

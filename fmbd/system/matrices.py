@@ -82,7 +82,9 @@ class Matrices:
         L = np.linalg.cholesky(self.M)
         free = np.linalg.solve(L, force)
         columns = np.linalg.solve(L, self.Phi_q.T)
-        inverse = np.linalg.pinv(columns, rcond=_DEPENDENT)
+        # not only against each other: a single constraint, too, may be one that nothing can give way to
+        size, freest = np.linalg.norm(columns, 2), 1.0 / np.sqrt(self.M.diagonal().min())
+        inverse = np.linalg.pinv(columns, rcond=_DEPENDENT * max(1.0, freest / size) if size else 0.0)
         change = inverse.T @ (self.gamma - columns.T @ free)
         return np.linalg.solve(L.T, free + change), inverse @ change
 
