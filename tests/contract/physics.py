@@ -22,45 +22,31 @@ def build(data: dict[str, Any] | str) -> System:
     return assemble(load_model_text(data if isinstance(data, str) else yaml.safe_dump(data, sort_keys=False)))
 
 
-def accelerations(system: System) -> Array:
-    """q'' at the start."""
-    return system.accelerations(system.start.q, system.start.v)[0]
-
-
 def motion(system: System, points: Sequence[str], q: Array, v: Array, a: Array, t: float = 0.0) -> Array:
-    """Position, velocity and acceleration of points `body.point` where q = q, q' = v, q'' = a.
-
-    Shape (3, points, 3): the last axis is x, y, angle of the body's frame less its angle at q = 0, t = 0, so that
-    frames that are turned against each other compare.
-    """
-    r = np.append(v, 1.0)
+    """Position, velocity and acceleration of points `body.point` where q' = v, q'' = a; shape (3, points, 2)."""
     stepped = _duals(system, points, q + 1j * STEP * v, t + 1j * STEP)
-    place, gradient = stepped[..., 0], stepped[..., 1:]
-    velocity = gradient @ r
-    acceleration = velocity.imag / STEP + (gradient[..., :-1] @ a).real
-    return np.stack([place.real, velocity.real, acceleration])
+    velocity = stepped[..., 1:] @ np.append(v, 1.0)
+    acceleration = velocity.imag / STEP + (stepped[..., 1:-1] @ a).real
+    return np.stack([stepped[..., 0].real, velocity.real, acceleration])
 
 
 def _duals(system: System, points: Sequence[str], q: Array, t: complex) -> Array:
-    """Duals of the points, shape (points, 3, nq + 2): value, derivatives by q and t."""
+    """Positions with their derivatives by q and t (fmbd.system.duals), shape (points, 2, nq + 2)."""
     frames = system.reference.frames(q, np.asarray(t))[0]
-    nq = system.planar.nq
-    out = np.zeros((len(points), 3, nq + 2), complex)
-    for k, name in enumerate(points):
+    out = []
+    for name in points:
         body, point = name.split(".")
         index, part = system.lowered.body_index[body], system.model.bodies[body]
-        local = np.zeros((2, nq + 2), complex)
+        local = np.zeros((2, q.size + 2), complex)
         if isinstance(part, Beam):
-            first = int(system.planar.bodies[index].first_q)
+            own = system.reference.inertia.elastic[index]
             shape = system.beams[index].shape(part.points[point])
-            local[0, 0] = part.points[point]
-            local[1, 0] = shape @ q[first : first + shape.size]
-            local[1, 1 + first : 1 + first + shape.size] = shape
+            local[:, 0] = part.points[point], shape @ q[own]
+            local[1, 1:-1][own] = shape
         else:
             local[:, 0] = part.points[point].at
-        out[k, :2] = frames[index, :2] + rotate(frames[index, 2], local)
-        out[k, 2] = frames[index, 2]
-    return out
+        out.append(frames[index, :2] + rotate(frames[index, 2], local))
+    return np.array(out)
 
 
 def run(system: System, times: Array) -> Block:
@@ -73,8 +59,21 @@ def run(system: System, times: Array) -> Block:
     return block
 
 
+def start(system: System, points: Sequence[str]) -> Array:
+    """`motion` at the start, shape (1, 3, points, 2)."""
+    q, v = system.start.q, system.start.v
+    return motion(system, points, q, v, system.accelerations(q, v)[0])[None]
+
+
 def trajectory(system: System, points: Sequence[str], times: Array) -> Array:
-    """`motion` at the given times of a run, shape (times, 3, points, 3)."""
+    """`motion` at the given times of a run, shape (times, 3, points, 2)."""
     block = run(system, times)
     rows = zip(block.position, block.velocity, block.acceleration, block.time)
     return np.array([motion(system, points, q, v, a, t) for q, v, a, t in rows])
+
+
+def assert_same(one: Array, other: Array, tolerance: float = 1e-9) -> None:
+    """Two motions agree: positions, velocities and accelerations each to this share of the largest."""
+    for kind, name in zip(range(one.shape[1]), ("position", "velocity", "acceleration")):
+        size = np.abs(one[:, kind]).max()
+        np.testing.assert_allclose(other[:, kind], one[:, kind], rtol=0, atol=tolerance * size, err_msg=name)
