@@ -60,7 +60,7 @@ def test_order_of_the_file(name):
 
 @pytest.mark.parametrize(("name", "joints"), [(name, joints) for name in CUTS for joints in CUTS[name]])
 def test_choice_of_the_cut_joints(name, joints):
-    """Other joints close the loops: a motor's joint, a slot, a slide, joints at beams that are then held by their ends."""
+    """Other joints close the loops: a motor's, a slot, a slide, joints at beams that are then held by their ends."""
     system = check(name, cut_at(MECHANISMS[name](), joints))
     assert sorted(system.tree.cut) == sorted(joints)
 
