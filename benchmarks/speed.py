@@ -69,7 +69,7 @@ def accelerations(elements: int, aim: float) -> Timing:
 
 
 def simulation(interval: float, aim: float) -> Timing:
-    """The controlled move over 3 s, rtol 1e-6; states, accelerations, multipliers and energies at every interval [s]."""
+    """The controlled move over 3 s, rtol 1e-6; states, accelerations, multipliers, energies every `interval` [s]."""
     system = assemble(load_model(FIVE_BAR, {"simulation.rtol": 1e-6}))
     times = output_times(3.0, interval)
 

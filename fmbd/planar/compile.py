@@ -10,7 +10,9 @@ lies in a folder named after a digest of all kernel sources, so that an edit any
 import hashlib
 import os
 import shutil
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -29,35 +31,35 @@ _ROUNDING = {"contract", "arcp"}
 
 @cache
 def cache_folder() -> Path:
-    """Where the compiled kernels lie: below NUMBA_CACHE_DIR, or the package, or the user's cache."""
+    """Where the compiled kernels lie: below NUMBA_CACHE_DIR, or else the user's cache, or else the package."""
     digest = hashlib.sha256()
     for file in sorted(path for part in ("planar", "solvers") for path in (_PACKAGE / part).glob("*.py")):
         digest.update(file.read_bytes())
     name = f"kernels-{digest.hexdigest()[:16]}"
-    places = [Path(config.CACHE_DIR)] if config.CACHE_DIR else [_PACKAGE / "__pycache__", _user_cache()]
+    places = [Path(config.CACHE_DIR)] if config.CACHE_DIR else [*_user_cache(), _PACKAGE / "__pycache__"]
     for place in places:
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(place, os.W_OK) or (place / name).is_dir():
-            for old in place.glob("kernels-*"):
-                if old.name != name:
-                    shutil.rmtree(old, ignore_errors=True)
-            return place / name
+        with suppress(OSError):
+            (place / name).mkdir(parents=True, exist_ok=True)
+            if os.access(place / name, os.W_OK):
+                (place / name).touch()
+                _forget(place)
+                return place / name
     return places[-1] / name
 
 
-def _user_cache() -> Path:
-    return (
-        Path(os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        / "fmbd"
-    )
+def _user_cache() -> list[Path]:
+    with suppress(RuntimeError):  # there may be no home
+        home = os.environ.get("LOCALAPPDATA") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+        return [Path(home) / "fmbd"]
+    return []
 
 
-def is_compiled(module: str, kernel: str) -> bool:
-    """Whether a kernel has been compiled before, for some machine: `is_compiled("explicit", "advance")`."""
-    return bool(config.DISABLE_JIT) or any(cache_folder().rglob(f"{module}.{kernel}-*.nbi"))
+def _forget(place: Path) -> None:
+    """Remove kernels that no program has used for a month."""
+    for old in place.glob("kernels-*"):
+        with suppress(OSError):
+            if time.time() - old.stat().st_mtime > 30 * 24 * 3600:
+                shutil.rmtree(old)
 
 
 def _decorator(**options: Any) -> Decorator:
