@@ -50,6 +50,10 @@ class SignalTable:
         times = {t for signal in self._signals for t in _breaks(signal, end) if 0.0 < t < end}
         return np.array(sorted(times))
 
+    def edges(self, signal: Any, end: float) -> list[tuple[float, float]]:
+        """The breakpoints of one signal, each with a time before it at which the signal does not yet show it."""
+        return [(t, t - 4.0 * kinds.EARLY * max(1.0, t)) for t in _breaks(signal, end) if 0.0 < t < end]
+
 
 def _parameters(signal: Any) -> tuple[int, tuple[float, ...]]:
     s = signal

@@ -9,6 +9,7 @@ import numpy as np
 from fmbd.beams import FloatingBeam
 from fmbd.planar.arrays import Planar, Work, allocate
 from fmbd.system.closure import RigidMechanism
+from fmbd.system.drives import check_drives
 from fmbd.system.lower import Lowered, lower, place_point
 from fmbd.system.matrices import Matrices, matrices
 from fmbd.system.reference import Reference
@@ -147,6 +148,7 @@ def assemble(model: Any) -> System:
     """Lower a model, solve its start, set its targets. Raises ModelError, with the place in the file."""
     lowered = lower(model)
     reference = Reference(lowered.planar, lowered.beams)
+    check_drives(lowered, reference)
     start = solve_start(lowered, reference)
     system = System(model, lowered, reference, start, allocate(lowered.planar))
     set_targets(system, RigidMechanism(lowered, reference))

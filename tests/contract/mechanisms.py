@@ -150,3 +150,67 @@ def joints_reversed(data: Data) -> Data:
         for name in turned & values.keys():
             values[name] = opposite(values[name])
     return data
+
+
+def turned_round(data: Data, beams: list[str]) -> Data:
+    """Beams described from their other end; their frames and those of their points are turned by pi."""
+    data = deepcopy(data)
+    for beam in beams:
+        _turn_round(data, beam)
+    return data
+
+
+def _turn_round(data: Data, beam: str) -> None:
+    part = data["bodies"][beam]
+    length = part["length"]
+    ends = {"start": "end", "end": "start"}
+
+    def far(x: Any) -> str:
+        return f"({length}) - ({x})"
+
+    def renamed(reference: str) -> str:
+        body, point = reference.split(".")
+        return f"{body}.{ends.get(point, point)}" if body == beam else reference
+
+    part["points"] = {name: far(x) for name, x in part.get("points", {}).items()}
+    part["point_masses"] = {ends.get(k, k): mass for k, mass in part.get("point_masses", {}).items()}
+    if "nodes" in part:
+        part["nodes"] = [far(x) for x in reversed(part["nodes"])]
+    initial = data["initial"]
+    for name, joint in data["joints"].items():
+        for end, sign in enumerate("-+"):
+            if joint["between"][end].startswith(f"{beam}."):
+                assert joint["type"] in ("revolute", "pin_in_slot")
+                if end == 0 and joint["type"] == "pin_in_slot":
+                    joint["axis"] = [f"-({number})" for number in joint.get("axis", [1, 0])]
+                springs = joint.get("spring", {})
+                spring = springs if joint["type"] == "revolute" else springs.get("angle", {})
+                for values, key in [(initial[k], name) for k in ("joints", "hints") if k in initial] + [
+                    (spring, "rest")
+                ]:
+                    if isinstance(values.get(key), dict):
+                        values, key = values[key], "angle"
+                    if key in values:
+                        values[key] = f"({values[key]}) {sign} pi"
+        joint["between"] = [renamed(reference) for reference in joint["between"]]
+    for spring in data.get("springs", {}).values():
+        spring["between"] = [renamed(reference) for reference in spring["between"]]
+    for load in data.get("loads", {}).values():
+        following = load.get("frame") == "following"
+        if load.get("on") == beam:
+            load["from"], load["to"] = far(load.get("to", length)), far(load.get("from", 0))
+        elif load.get("at", "").startswith(f"{beam}."):
+            load["at"] = renamed(load["at"])
+        else:
+            following = False
+        if following:
+            load["force"] = [f"-({number})" for number in load["force"]]
+
+
+def chord_frames(data: Data) -> Data:
+    """All beams with the frame through their ends."""
+    data = deepcopy(data)
+    for body in data["bodies"].values():
+        if body["type"] == "beam":
+            body["frame"] = "chord"
+    return data
