@@ -19,7 +19,7 @@ from fmbd.planar.compile import compiled, inner, part
 from fmbd.planar.equations import derivatives, project
 from fmbd.planar.signals import EARLY
 
-RUNNING, NO_INERTIA, OFF_CONSTRAINTS, STEP_TOO_SMALL = range(4)
+RUNNING, NO_INERTIA, OFF_CONSTRAINTS, STEP_TOO_SMALL, NOT_A_NUMBER = range(5)
 #: What the value of f will serve for.
 READY, AT_START, EULER, STAGES, CLOSING, DENSE = range(6)
 #: Indices of Memory.clock [s]: now, wanted step, this step, its end, last instant before the next breakpoint, the point
@@ -118,9 +118,17 @@ def advance(
         count[EVALUATIONS] += 1
         row = mem.k[count[ROW]]
         failed = derivatives(sys, work, mem.clock[POINT], mem.trial, row, options.drag, options.pull)
-        if failed >= 0:
-            count[BODY] = failed
-            return filled, NO_INERTIA
+        if count[PHASE] == AT_START:
+            if failed >= 0:
+                count[BODY] = failed
+                return filled, NO_INERTIA
+            if not _is_finite(row):
+                return filled, NOT_A_NUMBER
+        elif failed >= 0 and count[PHASE] != DENSE:
+            # a trial far off the solution, not the mechanism, has made the numbers meaningless
+            if not _reject(mem, 0.1, options):
+                return filled, STEP_TOO_SMALL
+            continue
         if not _use(tableau, mem, options):
             return filled, STEP_TOO_SMALL
 
@@ -264,6 +272,15 @@ def _reject(mem: Any, factor: float, options: Any) -> bool:
     clock[WANTED] = factor * clock[STEP]
     _aim(mem, options)
     return clock[WANTED] > _SHORTEST * max(abs(clock[NOW]), 1e-3)
+
+
+@part
+def _is_finite(row: np.ndarray) -> bool:
+    """Whether all entries are numbers."""
+    for i in range(row.size):
+        if not abs(row[i]) < np.inf:
+            return False
+    return True
 
 
 @part

@@ -4,6 +4,7 @@ A simulation is four independent choices: the equations (a System), the method (
 (rtol, atol, max_step) and what to save (the output times).
 """
 
+import time as clock
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
@@ -14,6 +15,7 @@ from fmbd.solvers.explicit import (
     BODY,
     EVALUATIONS,
     NO_INERTIA,
+    NOT_A_NUMBER,
     NOW,
     OFF_CONSTRAINTS,
     PROJECTIONS,
@@ -32,8 +34,9 @@ Array = np.ndarray
 
 #: Tried steps between two returns to Python: progress and Ctrl-C come through within about a hundredth of a second.
 ATTEMPTS = 1000
-#: Output times computed together.
+#: Output times computed together, and the time [s] after which fewer are handed over.
 BLOCK = 512
+PATIENCE = 1.0
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,7 @@ def integrate(
         chunk = times[first : first + BLOCK]
         out = np.zeros((chunk.size, y0.size))
         filled, status, ended = 0, RUNNING, False
+        since = clock.perf_counter()
         while filled < chunk.size and status == RUNNING and not ended:
             # a run that is ended from outside still writes the output times that it has passed
             ended = bool(statistics.reason)
@@ -133,6 +137,8 @@ def integrate(
             statistics.update(mem)
             if on_progress is not None:
                 on_progress(statistics.time_reached)
+            if filled and clock.perf_counter() - since > PATIENCE:
+                break
         if filled:
             block = _block(system, chunk[:filled], out[:filled], options)
             if initial_energy is None:
@@ -141,9 +147,9 @@ def integrate(
             yield block
         if status != RUNNING:
             statistics.reason = _reason(system, mem, status)
-        if statistics.reason and filled < chunk.size:
+        if status != RUNNING or (ended and filled < chunk.size):
             return
-        first += BLOCK
+        first += filled
 
 
 def solver_options(system: System) -> Options:
@@ -198,6 +204,8 @@ def _reason(system: System, mem: Memory, status: int) -> str:
     if status == NO_INERTIA:
         link = system.tree.links[int(mem.counters[BODY])]
         return f"at {t} joint {link.joint or link.motor} has no inertia to move: give body {link.name} a mass"
+    if status == NOT_A_NUMBER:
+        return f"at {t} the accelerations are not numbers: a signal or an expression has no value there"
     if status == OFF_CONSTRAINTS:
         return f"at {t} the loops could not be closed again: the mechanism is at a singular configuration"
     body = _fastest(system, mem)

@@ -37,6 +37,7 @@ def solve_start(lowered: Lowered, reference: Any) -> Start:
 
     Raises ModelError if the loops cannot be closed, a place is out of reach, or given rates contradict each other.
     """
+    _check_drivers(lowered, reference)
     mechanism = RigidMechanism(lowered, reference)
     remarks: list[str] = []
     q = _position(lowered, mechanism, remarks)
@@ -46,6 +47,15 @@ def solve_start(lowered: Lowered, reference: Any) -> Start:
     if lowered.planar.pathways.size:
         _relax_pathways(lowered, reference, q)
     return Start(q, v, np.zeros(len(lowered.states)), tuple(remarks))
+
+
+def _check_drivers(lowered: Lowered, reference: Any) -> None:
+    """A prescribed motion needs a value, a rate and a second derivative at the start."""
+    for name, joint in lowered.model.joints.items():
+        for signal in joint.driven.values():
+            if not np.all(np.isfinite(reference.signal(lowered.signals.add(signal), 0.0))):
+                text = "the prescribed motion has no finite value, rate and second derivative at t = 0"
+                raise lowered.model.error(("joints", name, "driven"), text)
 
 
 def _relax_pathways(lowered: Lowered, reference: Any, q: Array) -> None:
