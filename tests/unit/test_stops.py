@@ -33,6 +33,6 @@ def test_a_load_without_a_value() -> None:
 
 def test_a_prescribed_motion_without_a_value() -> None:
     with pytest.raises(
-        fmbd.ModelError, match="joints.hinge.driven: the prescribed motion has no finite value"
+        fmbd.ModelError, match=r"joints\.hinge\.driven: the prescribed motion has no finite value"
     ):
         fmbd.assemble(load_model_text(ARM.format(driven=", driven: sqrt(t - 0.5)", push="1")))
