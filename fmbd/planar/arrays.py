@@ -37,7 +37,14 @@ BODY = np.dtype(
         ("nrow", "i8"),
         ("matrix0", "i8"),  # offset of R (nrow, nf) in `rows`
         ("gram0", "i8"),  # offset of R R^T (nrow, nrow) in `gram`
-        ("coupled", "i8"),  # something with inertia hangs on a row
+        ("first_hung", "i8"),  # first of the bodies that hang on its rows, -1: none
+        ("next_hung", "i8"),  # the next one on the same parent
+        ("hang", "i8"),  # index of its record in Work.hangs if it hangs on rows, else -1
+        ("hang_w0", "i8"),
+        (
+            "hang_s0",
+            "i8",
+        ),  # its offsets in Work.hang_w (3, rows of parent), Work.hang_slot (3, slots of parent)
         ("hold", "i8"),  # index of its record in Work.holds if a row of its own holds it, else -1
         ("station0", "i8"),
         ("nstation", "i8"),
@@ -130,7 +137,7 @@ BODY_STATE = np.dtype(
     [(n, "f8") for n in ("x", "y", "angle", "c", "s", "vx", "vy", "w", "bx", "by", "bw", "ax", "ay", "aw")]
     + [(n, "f8") for n in ("px", "py", "ux", "uy", "jc", "js")]
     + [(n, "f8") for n in ("Hxx", "Hxy", "Hxz", "Hyy", "Hyz", "Hzz", "gx", "gy", "gz")]
-    + [("U", "f8", (3, 3)), ("per_D", "f8", (3,)), ("u", "f8", (3,))],
+    + [("U", "f8", (3, 3)), ("per_D", "f8", (3,)), ("u", "f8", (3,)), ("scale", "f8", (3,))],
     align=True,
 )
 STATION_STATE = np.dtype(
@@ -139,15 +146,21 @@ STATION_STATE = np.dtype(
 # value, rate and second derivative at zero q''; the wrench (n, m) that a unit force along the term puts on a and b
 TERM_STATE = np.dtype([(n, "f8") for n in ("nx", "ny", "ma", "mb")], align=True)
 PATHWAY_STATE = np.dtype([(n, "f8") for n in ("value", "rate", "bias")], align=True)
-# One row of a flexible body: R eta, R eta', its part of H, its force, y without and with the body's acceleration
+# One row of a flexible body: R eta, R eta'; y and what it is made of, forces (see condensation.py)
 ROW_STATE = np.dtype(
-    [(n, "f8") for n in ("value", "rate", "Hx", "Hy", "Hz", "g", "free", "y", "push")], align=True
+    [(n, "f8") for n in ("value", "rate", "Vx", "Vy", "Vz", "g", "free", "y", "push")], align=True
 )
 # One column of Phi_q^T as an articulated body sees it, and its right-hand side; the integers are constant.
 SLOT = np.dtype(
     [("constraint", "i8"), ("parent", "i8"), ("row0", "i8"), ("first_row", "i8")]
-    + [(n, "f8") for n in ("gx", "gy", "gz", "rhs", "pivot")]
-    + [("u", "f8", (3,)), ("frame", "f8", (3,)), ("station", "f8", (3,))],
+    + [(n, "f8") for n in ("gx", "gy", "gz", "rhs", "pivot", "moved")]
+    + [(n, "f8", (3,)) for n in ("u", "frame", "station", "hung")],
+    align=True,
+)
+# See hanging.py; inertance is d / (1 + d p).
+HANG = np.dtype(
+    [(n, "f8", (3, 3)) for n in ("L", "x")]
+    + [(n, "f8", (3,)) for n in ("g", "d", "bw", "bs", "phi", "inertance")],
     align=True,
 )
 # See holding.py; inverse is that of H_f, AI is A times it, E becomes its inverse.
@@ -200,18 +213,20 @@ class Work(NamedTuple):
     geometry: Any  # of terms
     lengths: Any  # of pathways
     rows: Any
-    Hyy: np.ndarray  # per body (nrow, nrow), flat
-    N: np.ndarray
+    N: np.ndarray  # per body (nrow, nrow), flat
     f_eta: np.ndarray
     holds: Any  # of bodies held by rows
+    hangs: Any  # of bodies that hang on rows
+    hang_w: np.ndarray
+    hang_slot: np.ndarray
     slots: Any
     slot_y: np.ndarray
+    slot_v: np.ndarray
     block: np.ndarray
     reactions: Any  # of constraints
     drives: Any  # of motors
     signal: np.ndarray  # (signals, 3): value and two time derivatives
     stack: np.ndarray
-    small: np.ndarray  # (max nrow, 2 max nrow)
     rigid_q: np.ndarray
     rigid_v: np.ndarray
     wrench: np.ndarray  # (bodies, 3)
@@ -221,8 +236,9 @@ class Work(NamedTuple):
 
 def allocate(system: Planar) -> Work:
     """Scratch arrays for `system`; the frames of ground stations are set here, once."""
-    widest = int(system.bodies["nrow"].max(initial=1))
     ground_slots = system.slots.size - system.ground_slot0
+    hung = system.bodies[system.bodies["hang"] >= 0]
+    carriers = system.bodies[hung["parent"]]
     moving = system.bodies["coordinate"][system.bodies["rotor"] == 0]
     joint_coordinates = int((moving >= 0).sum()) if system.online_compensation else 0
     holding = system.motors.size + system.held.size + 1
@@ -232,18 +248,20 @@ def allocate(system: Planar) -> Work:
         geometry=records(system.terms.size, TERM_STATE),
         lengths=records(system.pathways.size, PATHWAY_STATE),
         rows=records(int(system.bodies["nrow"].sum()), ROW_STATE),
-        Hyy=np.zeros(system.gram.size),
         N=np.zeros(system.gram.size),
         f_eta=np.zeros(system.omega2.size),
         holds=records(int((system.bodies["hold"] >= 0).sum()), HOLD),
+        hangs=records(hung.size, HANG),
+        hang_w=np.zeros(3 * int(carriers["nrow"].sum())),
+        hang_slot=np.zeros(3 * int(carriers["nslot"].sum())),
         slots=system.slots.copy(),
         slot_y=np.zeros(system.slot_rows),
+        slot_v=np.zeros(system.slot_rows),
         block=np.zeros(system.ground_block0 + ground_slots**2),
         reactions=records(system.constraints.size, CONSTRAINT_STATE),
         drives=records(system.motors.size, MOTOR_STATE),
         signal=np.zeros((system.signals.size, 3)),
         stack=np.zeros((64, 3)),
-        small=np.zeros((widest, 2 * widest)),
         rigid_q=np.zeros(system.nq),
         rigid_v=np.zeros(system.nq),
         wrench=np.zeros((system.bodies.size, 3)),

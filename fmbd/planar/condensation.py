@@ -1,8 +1,10 @@
 """Eliminate the elastic coordinates of one flexible body, and put them back.
 
-With D = I (the modal basis), eta'' = f_eta + R^T (g - H_row a - Hyy y) and y = R eta'':
-    y = free - N H_row a,   N = (I + W Hyy)^-1 W,   W = R R^T
-Symbols as in recursion.py. A slot is one more column of forces: slot_y on the rows, (gx, gy, gz) on the frame.
+With D = I (the modal basis), eta'' = f_eta + R^T (g - H_row a + p), where p are further forces on the rows and only
+the first two rows, s and p of planar.arrays, are coupled with the frame (H_row). For y = R eta'' that gives
+    y = free + V a + N p,    N = W = R R^T,    V = -W H_row,    free = R f_eta + W g
+What hangs on the rows changes free, V and N afterwards, see hanging.py.
+Symbols as in recursion.py. A slot is one more column of forces: slot_y on the rows, slot_v the y that they give.
 """
 
 from typing import Any
@@ -10,35 +12,6 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import part, part_sums
-
-
-@part
-def compliance(b: Any, gram: np.ndarray, Hyy: np.ndarray, N: np.ndarray, a: np.ndarray) -> None:
-    """N = (I + W Hyy)^-1 W by elimination with row pivoting, in the scratch matrix a."""
-    n = b.nrow
-    for r in range(n):
-        for j in range(n):
-            total = 1.0 if r == j else 0.0
-            for k in range(n):
-                total += gram[b.gram0 + r * n + k] * Hyy[b.gram0 + k * n + j]
-            a[r, j] = total
-            a[r, n + j] = gram[b.gram0 + r * n + j]
-    for k in range(n):
-        best = k
-        for r in range(k + 1, n):
-            if abs(a[r, k]) > abs(a[best, k]):
-                best = r
-        if best != k:
-            for j in range(k, 2 * n):
-                a[k, j], a[best, j] = a[best, j], a[k, j]
-        for r in range(n):
-            if r != k and a[r, k] != 0.0:
-                ratio = a[r, k] / a[k, k]
-                for j in range(k, 2 * n):
-                    a[r, j] -= ratio * a[k, j]
-    for r in range(n):
-        for j in range(n):
-            N[b.gram0 + r * n + j] = a[r, n + j] / a[r, r]
 
 
 @part_sums
@@ -57,99 +30,73 @@ def eliminate_modes(
     b: Any,
     f: Any,
     rows: Any,
-    Hyy: np.ndarray,
+    gram: np.ndarray,
     N: np.ndarray,
     slots: Any,
     slot_y: np.ndarray,
+    slot_v: np.ndarray,
     block: np.ndarray,
 ) -> None:
-    """Condense the rows of a flexible body into its H, g and slots; rows[].free becomes y at zero a.
-
-    Of a body with nothing on its rows only the first two, s and p, couple with its frame.
-    """
+    """Condense a flexible body on its own into its H, g and slots; rows[] hold free and V."""
     n = b.nrow
-    moving = n if b.coupled == 1 else 2
+    lateral, turning = rows[b.row0], rows[b.row0 + 1]
     for r in range(n):
         row = rows[b.row0 + r]
-        row.push = row.g
-        if b.coupled == 1:
+        start = b.gram0 + r * n
+        for j in range(n):
+            row.free += gram[start + j] * rows[b.row0 + j].g
+        row.push = 0.0
+        row.Vx, row.Vy, row.Vz = gram[start] * f.s, -gram[start] * f.c, -gram[start + 1]
+        if b.first_hung >= 0:
             for j in range(n):
-                row.push -= Hyy[b.gram0 + r * n + j] * rows[b.row0 + j].free
-    _add_compliant(b, N, rows)
-    for r in range(n):
-        row = rows[b.row0 + r]
-        nx, ny, nz = 0.0, 0.0, 0.0
-        for j in range(moving):
-            weight = N[b.gram0 + r * n + j]
-            other = rows[b.row0 + j]
-            nx += weight * other.Hx
-            ny += weight * other.Hy
-            nz += weight * other.Hz
-        if r < moving:
-            f.Hxx -= row.Hx * nx
-            f.Hxy -= row.Hx * ny
-            f.Hxz -= row.Hx * nz
-            f.Hyy -= row.Hy * ny
-            f.Hyz -= row.Hy * nz
-            f.Hzz -= row.Hz * nz
-            f.gx -= row.Hx * row.free
-            f.gy -= row.Hy * row.free
-            f.gz -= row.Hz * row.free
-        for m in range(b.nslot):
-            s = slots[b.slot0 + m]
-            own = slot_y[s.row0 + r]
-            if own == 0.0:
-                continue
-            s.gx -= nx * own
-            s.gy -= ny * own
-            s.gz -= nz * own
-            s.rhs -= row.free * own
-            for m2 in range(b.nslot):
-                start = slots[b.slot0 + m2].row0
-                total = 0.0
-                for j in range(n):
-                    total += N[b.gram0 + r * n + j] * slot_y[start + j]
-                block[b.block0 + m * b.nslot + m2] += own * total
-
-
-@part
-def _add_compliant(b: Any, N: np.ndarray, rows: Any) -> None:
-    """free += N push, for all rows of a body."""
-    for r in range(b.nrow):
-        total = 0.0
-        for j in range(b.nrow):
-            total += N[b.gram0 + r * b.nrow + j] * rows[b.row0 + j].push
-        rows[b.row0 + r].free += total
+                N[start + j] = gram[start + j]
+    f.Hxx -= f.s * lateral.Vx
+    f.Hxy -= f.s * lateral.Vy
+    f.Hyy += f.c * lateral.Vy
+    f.Hxz -= f.s * lateral.Vz
+    f.Hyz += f.c * lateral.Vz
+    f.Hzz += turning.Vz
+    f.gx += f.s * lateral.free
+    f.gy -= f.c * lateral.free
+    f.gz -= turning.free
+    for m in range(b.nslot):
+        s = slots[b.slot0 + m]
+        for r in range(n):
+            total = 0.0
+            for j in range(n):
+                total += gram[b.gram0 + r * n + j] * slot_y[s.row0 + j]
+            slot_v[s.row0 + r] = total
+            s.rhs -= slot_y[s.row0 + r] * rows[b.row0 + r].free
+        s.gx += f.s * slot_v[s.row0]
+        s.gy -= f.c * slot_v[s.row0]
+        s.gz -= slot_v[s.row0 + 1]
+        for j in range(m + 1):
+            total = 0.0
+            for r in range(n):
+                total += slot_y[slots[b.slot0 + j].row0 + r] * slot_v[s.row0 + r]
+            block[b.block0 + m * b.nslot + j] += total
+            if j != m:
+                block[b.block0 + j * b.nslot + m] += total
 
 
 @part
 def put_back_rows(
-    b: Any,
-    f: Any,
-    rows: Any,
-    Hyy: np.ndarray,
-    N: np.ndarray,
-    slots: Any,
-    slot_y: np.ndarray,
-    reactions: Any,
+    b: Any, f: Any, rows: Any, slots: Any, slot_y: np.ndarray, slot_v: np.ndarray, reactions: Any
 ) -> None:
-    """y of a flexible body from its frame's acceleration and the multipliers; rows[].g becomes the force on eta''."""
-    n = b.nrow
-    for r in range(n):
+    """y of a flexible body from its frame's acceleration and the multipliers; rows[].g gets what forces eta''.
+
+    rows[].push are the forces on the rows from outside: of a joint that holds the body by them, of what hangs on them.
+    """
+    for r in range(b.nrow):
         row = rows[b.row0 + r]
-        row.push = 0.0
-        if r < 2 or b.coupled == 1:
-            row.push = -(row.Hx * f.ax + row.Hy * f.ay + row.Hz * f.aw)
-        for m in range(b.slot0, b.slot0 + b.nslot):
-            row.push += slot_y[slots[m].row0 + r] * reactions[slots[m].constraint].multiplier
+        row.y = row.free + row.Vx * f.ax + row.Vy * f.ay + row.Vz * f.aw
         row.g += row.push
-    _add_compliant(b, N, rows)
-    for r in range(n):
-        row = rows[b.row0 + r]
-        row.y = row.free
-        if b.coupled == 1:
-            for j in range(n):
-                row.g -= Hyy[b.gram0 + r * n + j] * rows[b.row0 + j].free
+        for m in range(b.slot0, b.slot0 + b.nslot):
+            multiplier = reactions[slots[m].constraint].multiplier
+            row.y += slot_v[slots[m].row0 + r] * multiplier
+            row.g += slot_y[slots[m].row0 + r] * multiplier
+    rows[b.row0].g -= f.c * f.ay - f.s * f.ax
+    rows[b.row0 + 1].g -= f.aw
 
 
 @part_sums

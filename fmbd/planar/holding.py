@@ -2,8 +2,9 @@
 
 The body's frame is where its deflection is zero; a beam carried at its far end is held elsewhere. Its modes are
 eliminated as if it were free, which leaves H_f a_f = g_f + A^T F for the frame and the acceleration of the station
-    a = A a_f + G (y of its rows),    A = P - G N_h H_row,    F = reaction at the station,
-with P the shift from frame to station, G how the station moves with its rows, N_h those rows of N. Hence a = E F + c:
+    a = A a_f + G (y of its rows),    A = P + G V_h,    F = reaction at the station,
+with P the shift from frame to station, G how the station moves with its rows, V_h and N_h those rows of V and N
+(condensation.py). Hence a = E F + c:
     E = A H_f^-1 A^T + G N_hh G^T,    c = A H_f^-1 g_f + G y_free
 and H = E^-1, g = E^-1 c at the station. Sums of compliances, all positive: a change of the unknown from a_f to a
 before the modes are eliminated would give the same by differences of large numbers.
@@ -25,7 +26,7 @@ def hold_by_rows(
     rows: Any,
     N: np.ndarray,
     slots: Any,
-    slot_y: np.ndarray,
+    slot_v: np.ndarray,
     block: np.ndarray,
 ) -> None:
     """Turn H, g and the slots of a body without its modes from its frame to the inner station that holds it."""
@@ -54,10 +55,7 @@ def hold_by_rows(
         for turn in range(2):
             index = inner.row_w if turn == 0 else inner.row_s
             if index >= 0:
-                moved = 0.0
-                start = b.gram0 + (index - b.row0) * b.nrow
-                for r in range(b.nrow):
-                    moved += N[start + r] * slot_y[s.row0 + r]
+                moved = slot_v[s.row0 + index - b.row0]
                 for i in range(3):
                     s.station[i] += G[turn, i] * moved
         s.gx, s.gy, s.gz = _times(E, s.station[0], s.station[1], s.station[2])
@@ -94,16 +92,11 @@ def _station_motion(b: Any, f: Any, hold: Any, inner: Any, rows: Any, N: np.ndar
         if index < 0:
             continue
         start = b.gram0 + (index - b.row0) * b.nrow
-        x, y, z = 0.0, 0.0, 0.0
-        for r in range(b.nrow):
-            row = rows[b.row0 + r]
-            x += N[start + r] * row.Hx
-            y += N[start + r] * row.Hy
-            z += N[start + r] * row.Hz
+        row = rows[index]
         for k in range(3):
-            A[k, 0] -= G[turn, k] * x
-            A[k, 1] -= G[turn, k] * y
-            A[k, 2] -= G[turn, k] * z
+            A[k, 0] += G[turn, k] * row.Vx
+            A[k, 1] += G[turn, k] * row.Vy
+            A[k, 2] += G[turn, k] * row.Vz
             c[k] += G[turn, k] * rows[index].free
         for other in range(2):
             index2 = inner.row_w if other == 0 else inner.row_s
@@ -142,7 +135,7 @@ def let_go_of_rows(
         index = inner.row_w if turn == 0 else inner.row_s
         if index >= 0:
             push = hold.G[turn, 0] * fx + hold.G[turn, 1] * fy + hold.G[turn, 2] * moment
-            rows[index].g += push
+            rows[index].push += push
             start = b.gram0 + (index - b.row0) * b.nrow
             for r in range(b.nrow):
                 rows[b.row0 + r].free += N[start + r] * push

@@ -2,14 +2,14 @@
 
 Articulated-body recursion (Featherstone, Rigid Body Dynamics Algorithms; Brandl, Johanni and Otter for the loops)
 with the elastic coordinates eliminated body by body. Towards the ground, each body in turn
-  1. eliminates its modes (condensation.py)
+  1. has its modes eliminated (condensation.py) and what hangs on them taken in (hanging.py, holding.py)
   2. eliminates the multipliers of the loops that close at it (loops.py)
   3. eliminates its joint's coordinates, one scalar at a time, and hands what is left to its parent.
 Then outwards, everything is put back in the reverse order.
 
     a            linear part of the acceleration of a body's inner station (its bias lies in the forces)
     H, g         articulated inertia and wrench (3 x 3 symmetric, 3): H a = g + reaction
-    H_row, Hyy   coupling of the rows of a flexible body with a, and among themselves; rows[].g forces on them
+    V, N, free   y of a flexible body's rows per unit of a, per unit of a force on them, and at zero (condensation.py)
     y            R eta'', acceleration of the rows
     U, D, u      per joint direction s: U = H s, D = s.U (kept as 1 / D), u = s.g (for a slot: its own u)
 """
@@ -19,13 +19,8 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import part
-from fmbd.planar.condensation import (
-    compliance,
-    eliminate_modes,
-    free_rows,
-    put_back_modes,
-    put_back_rows,
-)
+from fmbd.planar.condensation import eliminate_modes, free_rows, put_back_modes, put_back_rows
+from fmbd.planar.hanging import hang_on_rows, put_back_hung
 from fmbd.planar.holding import hold_by_rows, let_go_of_rows
 from fmbd.planar.loops import add_rank_one, close_loops, constraint_columns, hand_down, open_loops
 
@@ -37,8 +32,8 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
     Returns -1, or the index of the body whose joint has no inertia to move.
     """
     frames, rows, slots, block = work.frames, work.rows, work.slots, work.block
-    slot_y, reactions, Hyy = work.slot_y, work.reactions, work.Hyy
-    _start(sys.bodies, frames, rows, Hyy, q)
+    slot_y, slot_v, reactions = work.slot_y, work.slot_v, work.reactions
+    _start(sys.bodies, frames, rows, q)
     for k in range(sys.inertias.size):
         point = sys.inertias[k]
         frames[point.body].Hzz -= point.value * rows[point.row].value ** 2
@@ -46,32 +41,48 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
     for c in range(sys.constraints.size):
         path = sys.pathways[sys.constraints[c].pathway]
         constraint_columns(path, sys.terms, work.geometry, sys.stations, work.points, frames, slots, slot_y)
+    for i in range(sys.bodies.size):
+        b = sys.bodies[i]
+        if b.nf > 0:
+            free_rows(b, sys.rows, work.f_eta, rows)
+            N = work.N if b.first_hung >= 0 else sys.gram
+            eliminate_modes(b, frames[i], rows, sys.gram, N, slots, slot_y, slot_v, block)
     for i in range(sys.bodies.size - 1, -1, -1):
         b, f = sys.bodies[i], frames[i]
         if b.rotor == 1 and b.parent < 0 and b.nslot == 0:
             # a rotor on the ground meets nothing but the torques on it
             qdd[b.coordinate[2]] = f.gz / b.J
             continue
-        if b.nf > 0:
-            if b.coupled == 1:
-                compliance(b, sys.gram, Hyy, work.N, work.small)
-            free_rows(b, sys.rows, work.f_eta, rows)
-            N = work.N if b.coupled == 1 else sys.gram
-            eliminate_modes(b, f, rows, Hyy, N, slots, slot_y, block)
-            if b.hold >= 0:
-                inner = sys.stations[b.inner]
-                hold_by_rows(b, f, work.holds[b.hold], inner, rows, N, slots, slot_y, block)
-        if b.hold < 0:
+        if b.hold >= 0:
+            inner = sys.stations[b.inner]
+            N = work.N if b.first_hung >= 0 else sys.gram
+            hold_by_rows(b, f, work.holds[b.hold], inner, rows, N, slots, slot_v, block)
+        else:
             _shift_to_joint(b, f, slots)
         close_loops(f, True, slots, block, sys.constraints, reactions, b.slot0, b.nslot, b.closed, b.block0)
         if not _eliminate_joint(b, f, slots, block):
             return i
         if b.parent >= 0:
-            parent = sys.bodies[b.parent]
-            outer = sys.stations[b.outer]
-            _load_parent(
-                b, f, parent, frames[b.parent], outer, work.points[b.outer], rows, Hyy, slots, slot_y
-            )
+            parent, p = sys.bodies[b.parent], frames[b.parent]
+            if b.hang >= 0:
+                hang_on_rows(
+                    b,
+                    f,
+                    parent,
+                    p,
+                    work.hangs[b.hang],
+                    sys.stations[b.outer],
+                    work.points[b.outer],
+                    rows,
+                    work.N,
+                    slots,
+                    slot_v,
+                    block,
+                    work.hang_w,
+                    work.hang_slot,
+                )
+            else:
+                _load_parent(b, f, p, slots)
             hand_down(b, slots, block, parent.slot0, parent.nslot, parent.block0)
         else:
             hand_down(b, slots, block, sys.ground_slot0, slots.size - sys.ground_slot0, sys.ground_block0)
@@ -96,36 +107,43 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
         rx, ry = f.px - f.x, f.py - f.y
         f.ax, f.ay, f.aw = ax + ry * aw, ay - rx * aw, aw
         if b.nf > 0:
-            N = work.N if b.coupled == 1 else sys.gram
             if b.hold >= 0:
                 inner = sys.stations[b.inner]
+                N = work.N if b.first_hung >= 0 else sys.gram
                 let_go_of_rows(b, f, work.holds[b.hold], inner, rows, N, slots, reactions, fx, fy, moment)
-            put_back_rows(b, f, rows, Hyy, N, slots, slot_y, reactions)
+            j = b.first_hung
+            while j >= 0:
+                child = sys.bodies[j]
+                put_back_hung(
+                    child,
+                    work.hangs[child.hang],
+                    b,
+                    f,
+                    sys.stations[child.outer],
+                    rows,
+                    slots,
+                    reactions,
+                    work.hang_w,
+                    work.hang_slot,
+                )
+                j = child.next_hung
+            put_back_rows(b, f, rows, slots, slot_y, slot_v, reactions)
             put_back_modes(b, sys.rows, work.f_eta, rows, qdd)
     return -1
 
 
 @part
-def _start(bodies: Any, frames: Any, rows: Any, Hyy: np.ndarray, q: np.ndarray) -> None:
-    """Each body's own inertia about its frame's origin, and the coupling of its rows."""
+def _start(bodies: Any, frames: Any, rows: Any, q: np.ndarray) -> None:
+    """Each body's own inertia about its frame's origin."""
     for i in range(bodies.size):
         b, f = bodies[i], frames[i]
-        inertia, my = b.J, b.my
-        if b.nf > 0:
-            my += rows[b.row0].value
-            for k in range(b.nf):
-                inertia += q[b.first_q + k] ** 2
-            for r in range(b.row0, b.row0 + b.nrow):
-                rows[r].Hx, rows[r].Hy, rows[r].Hz = 0.0, 0.0, 0.0
-            rows[b.row0].Hx, rows[b.row0].Hy = -f.s, f.c
-            rows[b.row0 + 1].Hz = 1.0
-            if b.coupled == 1:
-                for k in range(b.gram0, b.gram0 + b.nrow * b.nrow):
-                    Hyy[k] = 0.0
-        f.Hxx, f.Hxy, f.Hyy = b.mass, 0.0, b.mass
+        inertia = b.J
+        for k in range(b.nf):
+            inertia += q[b.first_q + k] ** 2
+        f.Hxx, f.Hxy, f.Hyy, f.Hzz = b.mass, 0.0, b.mass, inertia
+        my = b.my + (rows[b.row0].value if b.nf > 0 else 0.0)
         f.Hxz = -(f.s * b.mx + f.c * my)
         f.Hyz = f.c * b.mx - f.s * my
-        f.Hzz = inertia
 
 
 @part
@@ -177,6 +195,7 @@ def _times(f: Any, x: float, y: float, z: float) -> tuple[float, float, float]:
 def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
     """Deflate H, g and the open slots along each free direction; False if one has no inertia."""
     least = 1e-14 * (f.Hxx + f.Hyy + f.Hzz)
+    f.scale[0], f.scale[1], f.scale[2] = f.Hxx, f.Hyy, f.Hzz
     for d in range(3):
         if b.coordinate[d] < 0:
             continue
@@ -209,23 +228,17 @@ def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
                 block[b.block0 + m * b.nslot + j] += value
                 if j != m:
                     block[b.block0 + j * b.nslot + m] += value
+    if b.coordinate[2] >= 0 and (b.sliding == 0 or b.sign > 0.0):
+        # nothing is left along a free angle; said exactly, since a light parent would feel the round-off
+        f.Hxz, f.Hyz, f.Hzz, f.gz = 0.0, 0.0, 0.0, 0.0
+        for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
+            slots[m].gz = 0.0
     return True
 
 
 @part
-def _load_parent(
-    b: Any,
-    f: Any,
-    parent: Any,
-    p: Any,
-    outer: Any,
-    at: Any,
-    rows: Any,
-    Hyy: np.ndarray,
-    slots: Any,
-    slot_y: np.ndarray,
-) -> None:
-    """Add what is left of H, g and the open slots at the joint to the parent's frame p and rows."""
+def _load_parent(b: Any, f: Any, p: Any, slots: Any) -> None:
+    """Add what is left of H, g and the open slots at the joint to the frame p of the parent."""
     rx, ry = f.px - p.x, f.py - p.y
     p.Hxx += f.Hxx
     p.Hxy += f.Hxy
@@ -242,26 +255,6 @@ def _load_parent(
         t.gx += s.gx
         t.gy += s.gy
         t.gz += s.gz + rx * s.gy - ry * s.gx
-    for turn in range(2):
-        index = outer.row_w if turn == 0 else outer.row_s
-        if index < 0:
-            continue
-        cx, cy, cz = _row_motion(f, p, at, turn)
-        hx, hy, hz = _times(f, cx, cy, cz)
-        row = rows[index]
-        row.Hx += hx
-        row.Hy += hy
-        row.Hz += hz - ry * hx + rx * hy
-        row.g += cx * f.gx + cy * f.gy + cz * f.gz
-        local = index - parent.row0
-        for other in range(2):
-            index2 = outer.row_w if other == 0 else outer.row_s
-            if index2 >= 0:
-                ex, ey, ez = _row_motion(f, p, at, other)
-                Hyy[parent.gram0 + local * parent.nrow + index2 - parent.row0] += ex * hx + ey * hy + ez * hz
-        for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
-            s = slots[m]
-            slot_y[slots[s.parent].row0 + local] += cx * s.gx + cy * s.gy + cz * s.gz
 
 
 @part

@@ -31,7 +31,8 @@ def lower_bodies(out: Any, distributed: Sequence[dict[str, Any]]) -> dict[str, A
     """Records of bodies and stations, point inertias and distributed loads, with R, R R^T and the modes, flat."""
     bodies = records(len(out.tree.links), arrays.BODY)
     stations = records(len(out.stations), arrays.STATION)
-    bodies.coordinate = bodies.driver = bodies.outer = bodies.inner = bodies.hold = -1
+    bodies.coordinate = bodies.driver = bodies.outer = bodies.inner = -1
+    bodies.hold = bodies.hang = bodies.first_hung = bodies.next_hung = -1
     coordinate = {name: k for k, (name, _) in enumerate(out.coordinates)}
     flat: list[np.ndarray] = [np.zeros(0)]
     gram: list[np.ndarray] = [np.zeros(0)]
@@ -128,13 +129,26 @@ def _hold(out: Any, link: Any, body: Any, coordinate: dict[str, int]) -> None:
 
 
 def _mark_rows(bodies: Any, stations: Any) -> None:
-    """Which flexible bodies carry a child on a row, and which are held by rows of their own."""
+    """Which bodies hang on rows of their parents, and which are held by rows of their own."""
     moving = (stations["row_w"] >= 0) | (stations["row_s"] >= 0)
-    for body in bodies:
-        if body.parent >= 0 and moving[body.outer]:
-            bodies[body.parent].coupled = 1
     held = np.flatnonzero(moving[bodies["inner"]])
     bodies.hold[held] = np.arange(held.size)
+    hung = np.flatnonzero((bodies["parent"] >= 0) & moving[bodies["outer"]])
+    bodies.hang[hung] = np.arange(hung.size)
+    for i in hung[::-1]:
+        # a list in ascending order, hence pushed from the last
+        parent = bodies[bodies[i].parent]
+        bodies[i].next_hung, parent.first_hung = parent.first_hung, i
+
+
+def place_hung(bodies: Any) -> None:
+    """Give the bodies that hang on rows their room in Work.hang_w and Work.hang_slot, in place."""
+    w0 = s0 = 0
+    for i in np.flatnonzero(bodies["hang"] >= 0):
+        parent = bodies[bodies[i].parent]
+        bodies[i].hang_w0, bodies[i].hang_s0 = w0, s0
+        w0 += 3 * int(parent.nrow)
+        s0 += 3 * int(parent.nslot)
 
 
 def fill(dtype: np.dtype, rows: Sequence[dict[str, Any]]) -> Any:

@@ -15,7 +15,7 @@ from fmbd.model import Beam, ControllerRef, GravityCompensation, Model, Placemen
 from fmbd.model.motors import Motor
 from fmbd.planar import arrays
 from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
-from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies
+from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
 from fmbd.system.columns import place_columns
 from fmbd.system.signals import SignalTable
 from fmbd.system.tree import Link, Tree, spanning_tree
@@ -421,6 +421,7 @@ def _assemble(
     rows = [{"pathway": p, "driver": s} for p, s in constraints]
     parts["constraints"] = fill(arrays.CONSTRAINT, rows)
     parts |= place_columns(parts["bodies"], parts["stations"], terms, pathways, parts["constraints"])
+    place_hung(parts["bodies"])
     parts["loads"] = fill(arrays.LOAD, [load | {"station": out.stations[load["station"]]} for load in loads])
     springs = [dict(zip(("pathway", "k", "d", "rest"), s, strict=True)) for s in out.springs]
     signals, program, table = out.signals.lower()
