@@ -1,7 +1,8 @@
 """Natural frequencies of an assembled mechanism, and the steps that they ask of explicit methods.
 
 Small undamped motions about a position at rest, with the stiffness of beams and springs alone: gravity, preloads and
-controllers are left out, and so is what they add to the stiffness (geometric stiffness).
+controllers are left out, and so is what they add to the stiffness (geometric stiffness). A spring whose rest length is
+zero pulls with k times the vector between its points: it is as stiff across as along, also where they coincide.
 
     M    mass matrix, Cholesky factor L          A    Phi_q L^-T: constraints on x = L^T q
     G    square root of the stiffness, K = G^T G R    orthonormal basis of the motions x that A allows
@@ -12,7 +13,9 @@ themselves, and low ones are not lost beside high ones, as they would be in the 
 
 import numpy as np
 
+from fmbd.analyses.jacobians import displacement_rows, pathway_rows
 from fmbd.analyses.structure import independent_rows
+from fmbd.planar.arrays import DISTANCE
 from fmbd.solvers.tableau import Tableau
 from fmbd.system import System
 
@@ -31,14 +34,13 @@ def natural_frequencies(system: System, q: Array | None = None, t: float = 0.0) 
     q = system.start.q if q is None else np.asarray(q, float)
     planar, reference = system.planar, system.reference
     basis = system.to_nodal(np.eye(planar.nq)).T  # columns: modal coordinates in nodal ones
-    bodies, stations = reference.frames(q, t)
-    rows = reference.lengths(stations)[:, 1:-1] @ basis
+    bodies, _ = reference.frames(q, t)
+    Phi_q = pathway_rows(system, q, t)[planar.constraints["pathway"]] @ basis
     M = basis.T @ reference.inertia.mass_matrix(bodies, np.append(q, t))[:-1, :-1] @ basis
-    springs = planar.springs
-    G = np.vstack([_of_beams(system), np.sqrt(springs["k"])[:, None] * rows[springs["pathway"]]])
+    G = np.vstack([_of_beams(system), _of_springs(system, q, t) @ basis])
 
     L = np.linalg.cholesky(M)
-    A = np.linalg.solve(L, rows[planar.constraints["pathway"]].T)
+    A = np.linalg.solve(L, Phi_q.T)
     kept = A[:, independent_rows(A.T)]
     R = np.linalg.qr(kept, mode="complete")[0][:, kept.shape[1] :]
     G = np.linalg.solve(L, G.T).T
@@ -62,3 +64,14 @@ def _of_beams(system: System) -> Array:
     for i, omega2 in system.lowered.omega2.items():
         omega[system.reference.inertia.elastic[i]] = np.sqrt(omega2)
     return np.diag(omega)[system.elastic]
+
+
+def _of_springs(system: System, q: Array, t: float) -> Array:
+    """Rows of G for the springs, by nodal coordinates; two for a spring that pulls on a point from all sides."""
+    springs = system.planar.springs
+    terms = system.planar.terms[system.planar.pathways["term0"][springs["pathway"]]]
+    around = (terms["kind"] == DISTANCE) & (springs["rest"] == 0.0)
+    along = pathway_rows(system, q, t)[springs["pathway"][~around]]
+    rows = np.vstack([along, *displacement_rows(system, q, t, terms[around])])
+    k = np.concatenate([springs["k"][~around], *[springs["k"][around]] * 2])
+    return np.sqrt(k)[:, None] * rows

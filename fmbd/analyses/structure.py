@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fmbd.analyses.jacobians import pathway_rows
 from fmbd.system import System
 
 Array = np.ndarray
@@ -38,8 +39,7 @@ class Mobility:
 def mobility(system: System, q: Array | None = None, t: float = 0.0) -> Mobility:
     """Degrees of freedom and redundant constraints at nodal coordinates q (nq,), default: the start."""
     planar = system.planar
-    _, gradients = system.reference.pathways(system.start.q if q is None else q, t)
-    Phi_q = gradients[planar.constraints["pathway"], :-1]
+    Phi_q = pathway_rows(system, system.start.q if q is None else q, t)[planar.constraints["pathway"]]
     kept = independent_rows(Phi_q)
     joints = planar.bodies["coordinate"][planar.bodies["rotor"] == 0]
     joints = joints[joints >= 0]

@@ -30,7 +30,11 @@ class PointToPointSpring(Part):
 
 
 class TorsionalSpring(Part):
-    """A spring and damper on the angle of the second point's frame minus the first's."""
+    """A spring and damper on the angle of the second point's frame minus the first's.
+
+    The angle counts the turns of the joints between the two points. If one of these joints is part of a closed loop,
+    the turns are counted from the start, which is then within half a turn of the rest angle.
+    """
 
     type: Literal["torsional"]
     between: tuple[PointRefField, PointRefField]

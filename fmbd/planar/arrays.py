@@ -169,7 +169,7 @@ HOLD = np.dtype(
     + [("G", "f8", (2, 3)), ("g", "f8", (3,)), ("c", "f8", (3,))],
     align=True,
 )
-CONSTRAINT_STATE = np.dtype([("target", "f8"), ("multiplier", "f8")], align=True)
+CONSTRAINT_STATE = np.dtype([("target", "f8"), ("multiplier", "f8"), ("redundant", "i8")], align=True)
 # input: voltage or torque asked for; effort: shaft torque; compensation: joint torque against gravity
 MOTOR_STATE = np.dtype([("input", "f8"), ("effort", "f8"), ("compensation", "f8")], align=True)
 
@@ -230,8 +230,8 @@ class Work(NamedTuple):
     rigid_q: np.ndarray
     rigid_v: np.ndarray
     wrench: np.ndarray  # (bodies, 3)
-    holding: np.ndarray  # (joint coordinates, motors + held + 1)
-    normal: np.ndarray
+    holding: np.ndarray  # (motors + held + 1, joint coordinates)
+    mix: np.ndarray  # (motors, motors)
 
 
 def allocate(system: Planar) -> Work:
@@ -265,8 +265,8 @@ def allocate(system: Planar) -> Work:
         rigid_q=np.zeros(system.nq),
         rigid_v=np.zeros(system.nq),
         wrench=np.zeros((system.bodies.size, 3)),
-        holding=np.zeros((joint_coordinates, holding)),
-        normal=np.zeros((holding, holding)),
+        holding=np.zeros((holding, joint_coordinates)),
+        mix=np.zeros((system.motors.size, system.motors.size)),
     )
     for k, station in enumerate(system.stations):
         if station["body"] < 0:

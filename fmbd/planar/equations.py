@@ -18,6 +18,9 @@ from fmbd.planar.signals import evaluate_signals
 
 # of the distance from the world's origin: errors of a place that is computed along a chain of bodies
 _ROUND_OFF = 4e-15
+# |Phi| to put up with where Newton gets no further: lengths of redundant constraints contradict each other a little,
+# differently along the motion; a start is accepted with a tenth of it
+_CONTRADICTION = 1e-9
 
 
 @part
@@ -148,9 +151,9 @@ def constraint_errors(sys: Any, work: Any, t: float, q: np.ndarray, v: np.ndarra
 def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tolerance: float) -> int:
     """Move q, then v, onto the constraints, by the least change in the metric of the mass matrix.
 
-    Newton with M dq - Phi_q^T mu = 0, Phi_q dq = -Phi until |Phi| <= tolerance, or round-off (at most 8 times), then
-    once for the velocities (their equations are linear). Returns the Newton steps taken, or -1 if they did not
-    converge.
+    Newton with M dq - Phi_q^T mu = 0, Phi_q dq = -Phi until |Phi| <= tolerance, or round-off, or as little as redundant
+    constraints let it be (at most 8 times), then once for the velocities (their equations are linear). Returns the
+    Newton steps taken, or -1 if they did not converge.
     """
     if sys.constraints.size == 0:
         return 0
@@ -158,15 +161,18 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
     q, v = y[:n], y[n : 2 * n]
     evaluate_signals(sys.signals, sys.program, sys.table, work.stack, t, work.signal)
     taken = 0
+    worst = np.inf
     while True:
         kinematics(sys, work, q, v)
         pathways(sys, work)
-        worst = 0.0
+        before, worst = worst, 0.0
         for c in range(sys.constraints.size):
             value, _, _ = constraint(sys.constraints[c], work.lengths, work.signal)
             work.reactions[c].target = -value
             worst = max(worst, abs(value))
         if worst <= tolerance or worst <= _ROUND_OFF * _reach(work.points):
+            break
+        if worst <= _CONTRADICTION and worst > 0.5 * before:
             break
         if taken == 8 or not worst < 1e300:
             return -1

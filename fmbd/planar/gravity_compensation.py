@@ -3,9 +3,16 @@
 The beams are taken as straight, the joint coordinates as they are; with Q the generalised gravity force on the
 joint coordinates, the torques tau and the multipliers solve, in the least-squares sense,
     sum_m tau_m J_m^T + sum_c lambda_c Phi_c^T = -Q
-(for the five-bar: G = g_a - Phi_a^T Phi_p^-T g_p on the active joints).
+(for the five-bar: G = g_a - Phi_a^T Phi_p^-T g_p on the active joints). Of all torques that do, the least are taken:
+tau^T tau is smallest, whichever joints are cut.
+
+    A      rows J_m, Phi_c, Q; the rows Phi_c become orthonormal, the others lose what lies along these
+    V      mixes the motors so that the rows V J are at right angles: one-sided Jacobi rotations, which make the
+           singular value decomposition of J
+Source: Golub, Van Loan, Matrix Computations, section 8.6.
 """
 
+from math import copysign, sqrt
 from typing import Any
 
 import numpy as np
@@ -14,6 +21,9 @@ from fmbd.planar.compile import inner, part
 from fmbd.planar.kinematics import kinematics
 from fmbd.planar.pathways import pathways
 from fmbd.planar.recursion import joint_direction
+
+#: A row of which others, or the constraints, leave less than this share of the longest row counts as dependent.
+DEPENDENT = 1e-9
 
 
 @inner
@@ -27,17 +37,14 @@ def compensate_gravity(sys: Any, work: Any, q: np.ndarray) -> None:
             work.rigid_q[k] = 0.0
     kinematics(sys, work, work.rigid_q, work.rigid_v)
     pathways(sys, work)
-    n = sys.motors.size + sys.held.size
+    m = sys.motors.size
+    n = m + sys.held.size
     A = work.holding
     for c in range(n):
         work.wrench[:] = 0.0
-        index = (
-            sys.motors[c].joint_pathway
-            if c < sys.motors.size
-            else sys.constraints[sys.held[c - sys.motors.size]].pathway
-        )
+        index = sys.motors[c].joint_pathway if c < m else sys.constraints[sys.held[c - m]].pathway
         _add_pathway(sys.pathways[index], sys.terms, work.geometry, sys.stations, work.points, work.wrench)
-        _project(sys.bodies, work.frames, work.wrench, A[:, c])
+        _project(sys.bodies, work.frames, work.wrench, A[c])
     work.wrench[:] = 0.0
     gx, gy = sys.gravity[0], sys.gravity[1]
     for i in range(sys.bodies.size):
@@ -45,10 +52,8 @@ def compensate_gravity(sys: Any, work: Any, q: np.ndarray) -> None:
         x = b.mass * f.x + f.c * b.mx - f.s * b.my
         y = b.mass * f.y + f.s * b.mx + f.c * b.my
         work.wrench[i, 0], work.wrench[i, 1], work.wrench[i, 2] = b.mass * gx, b.mass * gy, x * gy - y * gx
-    _project(sys.bodies, work.frames, work.wrench, A[:, n])
-    _least_squares(A, n, work.normal)
-    for m in range(sys.motors.size):
-        work.drives[m].compensation = -work.normal[m, n]
+    _project(sys.bodies, work.frames, work.wrench, A[n])
+    _least_torques(A, m, work.mix, work.drives)
 
 
 @part
@@ -92,26 +97,82 @@ def _project(bodies: Any, frames: Any, wrench: np.ndarray, out: np.ndarray) -> N
 
 
 @part
-def _least_squares(A: np.ndarray, n: int, normal: np.ndarray) -> None:
-    """Solve A[:, :n] x = A[:, n] by normal equations; x is left in normal[:, n], 0 for dependent columns."""
-    for r in range(n):
-        for c in range(n + 1):
-            total = 0.0
-            for k in range(A.shape[0]):
-                total += A[k, r] * A[k, c]
-            normal[r, c] = total
-    for k in range(n):
-        scale = 0.0
-        for j in range(A.shape[0]):
-            scale += A[j, k] * A[j, k]
-        if normal[k, k] <= 1e-13 * scale or scale == 0.0:
-            normal[k, :] = 0.0
-            continue
-        pivot = normal[k, k]
-        for c in range(n + 1):
-            normal[k, c] /= pivot
-        for r in range(n):
-            if r != k:
-                ratio = normal[r, k]
-                for c in range(n + 1):
-                    normal[r, c] -= ratio * normal[k, c]
+def _least_torques(A: np.ndarray, m: int, V: np.ndarray, drives: Any) -> None:
+    """Solve for the torques of m motors; overwrites A and V."""
+    n = A.shape[0] - 1
+    longest = 0.0
+    for c in range(n):
+        longest = max(longest, sqrt(_dot(A[c], A[c])))
+    _take_out(A, m, n, DEPENDENT * longest)
+    _mix(A, m, V)
+    for k in range(m):
+        drives[k].compensation = 0.0
+    for j in range(m):
+        size = _dot(A[j], A[j])
+        if size > (DEPENDENT * longest) ** 2:
+            share = _dot(A[j], A[n]) / size
+            for k in range(m):
+                drives[k].compensation -= V[j, k] * share
+
+
+@part
+def _take_out(A: np.ndarray, first: int, last: int, shortest: float) -> None:
+    """Make rows first to last orthonormal (zero if others leave too little), the other rows orthogonal to them."""
+    for c in range(first, last):
+        for _ in range(2):  # once more for round-off
+            for e in range(first, c):
+                _add(-_dot(A[e], A[c]), A[e], A[c])
+        size = sqrt(_dot(A[c], A[c]))
+        scale = 1.0 / size if size > shortest else 0.0
+        for k in range(A.shape[1]):
+            A[c, k] *= scale
+    for c in range(A.shape[0]):
+        if c < first or c >= last:
+            for e in range(first, last):
+                _add(-_dot(A[e], A[c]), A[e], A[c])
+
+
+@part
+def _mix(A: np.ndarray, n: int, V: np.ndarray) -> None:
+    """Turn the first n rows of A by pairs, and the unit rows V with them, until they are at right angles."""
+    for i in range(n):
+        for k in range(n):
+            V[i, k] = 1.0 if i == k else 0.0
+    turning = True
+    sweeps = 0
+    while turning and sweeps < 30:
+        turning = False
+        sweeps += 1
+        for i in range(n):
+            for j in range(i + 1, n):
+                ii, ij, jj = _dot(A[i], A[i]), _dot(A[i], A[j]), _dot(A[j], A[j])
+                if abs(ij) <= 1e-14 * sqrt(ii * jj):
+                    continue
+                turning = True
+                half = (jj - ii) / (2.0 * ij)
+                tangent = copysign(1.0, half) / (abs(half) + sqrt(1.0 + half * half))
+                c = 1.0 / sqrt(1.0 + tangent * tangent)
+                _turn(c, c * tangent, A[i], A[j])
+                _turn(c, c * tangent, V[i], V[j])
+
+
+@part
+def _turn(c: float, s: float, x: np.ndarray, y: np.ndarray) -> None:
+    """x, y <- c x - s y, s x + c y."""
+    for k in range(x.size):
+        x[k], y[k] = c * x[k] - s * y[k], s * x[k] + c * y[k]
+
+
+@part
+def _dot(x: np.ndarray, y: np.ndarray) -> float:
+    total = 0.0
+    for k in range(x.size):
+        total += x[k] * y[k]
+    return total
+
+
+@part
+def _add(factor: float, x: np.ndarray, y: np.ndarray) -> None:
+    """y += factor x."""
+    for k in range(x.size):
+        y[k] += factor * x[k]

@@ -76,6 +76,7 @@ def close_loops(
         row = block0 + c * n
         pivot = block[row + c]
         s.pivot = pivot if pivot > DEPENDENT * constraints[s.constraint].freedom else 0.0
+        reactions[s.constraint].redundant = 1 if s.pivot == 0.0 else 0
         if s.pivot == 0.0:
             continue
         if on_body:

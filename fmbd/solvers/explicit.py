@@ -1,81 +1,54 @@
 """The compiled loop of the explicit methods: adaptive steps, projection, dense output, landing on breakpoints.
 
-    y     state [q, v, z, dissipated energy, work], modal coordinates
-    k     stages (s + 1 + m, ny); k[s] = f at the end of the step
-    F     rows of the interpolant of the last step (3 + rows of d, ny)
-    err   error norm: root mean square of the estimate over atol + rtol |y|; a step is accepted if err <= 1
-After Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sections II.4 to II.6.
-
-The method says at which point it wants f next (`_point`), `advance` evaluates the equations there, the method uses the
-value (`_use`): so the mechanics are called from one place, whatever the method is about to do (`PHASE`).
+Symbols as in steps.py; k[s] = f at the end of the step, further rows serve the dense output. The method says at which
+point it wants f next (`_point`), `advance` evaluates the equations there, the method uses the value (`_use`): so the
+mechanics are called from one place, whatever the method is about to do (`PHASE`).
 """
 
 from math import sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from fmbd.planar.compile import compiled, inner, part
 from fmbd.planar.equations import derivatives, project
-from fmbd.planar.signals import EARLY
-
-RUNNING, NO_INERTIA, OFF_CONSTRAINTS, STEP_TOO_SMALL, NOT_A_NUMBER = range(5)
-#: What the value of f will serve for.
-READY, AT_START, EULER, STAGES, CLOSING, DENSE = range(6)
-#: Indices of Memory.clock [s]: now, wanted step, this step, its end, last instant before the next breakpoint, the point
-#: at which f is wanted, start and length of the last accepted step.
-NOW, WANTED, STEP, END, BEFORE_BREAK, POINT, LAST_START, LAST_STEP, LAST_ERROR = range(9)
-#: Indices of Memory.counters.
-(
-    ACCEPTED,
-    REJECTED,
+from fmbd.solvers.steps import (
+    BEFORE_BREAK,
+    BODY,
     EVALUATIONS,
-    PROJECTIONS,
-    BREAK,
     FRESH,
     INTERPOLANT,
-    BODY,
-    AFTER_REJECTION,
+    LAST_START,
+    LAST_STEP,
+    NO_INERTIA,
+    NOT_A_NUMBER,
+    NOW,
+    OFF_CONSTRAINTS,
     PHASE,
+    POINT,
+    PROJECTIONS,
     ROW,
-) = range(11)
-_SHORTEST = 1e-13
+    RUNNING,
+    STEP,
+    STEP_TOO_SMALL,
+    WANTED,
+    accept,
+    aim,
+    copy,
+    euler_step,
+    first_step,
+    interpolate,
+    is_finite,
+    norm,
+    pass_breaks,
+    plan_next,
+    rejection,
+    shorten,
+    weigh,
+)
 
-
-class Options(NamedTuple):
-    """Tolerances and switches of a run; drag and pull are Baumgarte's 2 delta omega and omega^2."""
-
-    rtol: float
-    atol: float
-    max_step: float
-    projecting: bool
-    closed: float  # |Phi| that the projection accepts
-    drag: float
-    pull: float
-
-
-class Memory(NamedTuple):
-    """What a run carries from block to block."""
-
-    y: np.ndarray
-    y_old: np.ndarray
-    trial: np.ndarray
-    error: np.ndarray
-    k: np.ndarray
-    F: np.ndarray
-    correction: np.ndarray
-    clock: np.ndarray
-    counters: np.ndarray
-
-
-def memory(tableau: Any, y0: np.ndarray, nq: int) -> Memory:
-    """Memory of a run that starts at y0 at time 0."""
-    ny = y0.size
-    k = np.zeros((tableau.c.size, ny))
-    F = np.zeros((3 + tableau.d.shape[0], ny))
-    count = np.zeros(11, np.int64)
-    count[FRESH], count[PHASE] = 1, READY
-    return Memory(y0.copy(), y0.copy(), y0.copy(), np.zeros(ny), k, F, np.zeros(nq), np.zeros(9), count)
+#: What the value of f will serve for.
+READY, AT_START, EULER, STAGES, CLOSING, DENSE = range(6)
 
 
 @compiled
@@ -122,7 +95,7 @@ def advance(
             if failed >= 0:
                 count[BODY] = failed
                 return filled, NO_INERTIA
-            if not _is_finite(row):
+            if not is_finite(row):
                 return filled, NOT_A_NUMBER
         elif failed >= 0 and count[PHASE] != DENSE:
             # a trial far off the solution, not the mechanism, has made the numbers meaningless
@@ -139,7 +112,7 @@ def _write(tableau: Any, mem: Any, times: np.ndarray, out: np.ndarray, filled: i
     clock, count = mem.clock, mem.counters
     while filled < times.size and times[filled] <= clock[NOW]:
         if times[filled] == clock[NOW]:
-            _copy(mem.y, out[filled])
+            copy(mem.y, out[filled])
         elif count[INTERPOLANT] == 1:
             interpolate(mem, times[filled], out[filled])
         elif tableau.c.size > tableau.b.size + 1:
@@ -154,30 +127,26 @@ def _write(tableau: Any, mem: Any, times: np.ndarray, out: np.ndarray, filled: i
 
 @inner
 def _begin(tableau: Any, mem: Any, breaks: np.ndarray, options: Any) -> None:
-    """Start a step from mem.y; after a breakpoint f is evaluated anew, with the inputs that follow it."""
-    clock, count = mem.clock, mem.counters
-    while breaks[count[BREAK]] <= clock[NOW]:
-        count[BREAK] += 1
-        count[FRESH] = 1
-    # inside a step the inputs are those before the next jump
-    clock[END] = breaks[count[BREAK]]
-    clock[BEFORE_BREAK] = clock[END] - 4.0 * EARLY * max(1.0, clock[END])
-    if count[FRESH] == 1:
-        count[PHASE] = AT_START
+    """Start a step from mem.y, with f of the last one's end if no breakpoint lies between."""
+    pass_breaks(mem, breaks)
+    if mem.counters[FRESH] == 1:
+        mem.counters[PHASE] = AT_START
     else:
-        _copy(mem.k[tableau.b.size], mem.k[0])
-        _aim(mem, options)
+        copy(mem.k[tableau.b.size], mem.k[0])
+        _set_out(mem, options)
 
 
 @part
-def _aim(mem: Any, options: Any) -> None:
-    """Choose this step's length, so that it lands on a breakpoint that is near."""
-    clock, count = mem.clock, mem.counters
-    h = min(clock[WANTED], options.max_step)
-    # clock[END] is the breakpoint, as yet
-    left = clock[END] - clock[NOW]
-    clock[STEP] = left if 1.01 * h >= left else h
-    count[PHASE], count[ROW] = STAGES, 1
+def _set_out(mem: Any, options: Any) -> None:
+    aim(mem, options)
+    mem.counters[PHASE], mem.counters[ROW] = STAGES, 1
+
+
+@part
+def _reject(mem: Any, factor: float, options: Any) -> bool:
+    possible = shorten(mem, factor, options)
+    mem.counters[PHASE], mem.counters[ROW] = STAGES, 1
+    return possible
 
 
 @part
@@ -186,7 +155,7 @@ def _point(tableau: Any, mem: Any) -> None:
     clock, count = mem.clock, mem.counters
     phase, row = count[PHASE], count[ROW]
     if phase == AT_START:
-        _copy(mem.y, mem.trial)
+        copy(mem.y, mem.trial)
         count[ROW] = 0
         clock[POINT] = clock[NOW]
     elif phase == EULER:
@@ -210,30 +179,27 @@ def _use(tableau: Any, mem: Any, options: Any) -> bool:
     """Go on with the value of f in k[count[ROW]]; False if the step has become too small."""
     clock, count = mem.clock, mem.counters
     phase = count[PHASE]
-    s = tableau.b.size
     if phase == AT_START:
         count[FRESH] = 0
         if clock[WANTED] > 0.0:
-            _aim(mem, options)
+            _set_out(mem, options)
         else:
-            clock[STEP] = _euler_step(mem, options)
+            clock[STEP] = euler_step(mem.k[0], mem, options)
             count[PHASE] = EULER
     elif phase == EULER:
-        clock[WANTED] = _first_step(tableau, mem, options)
-        _aim(mem, options)
+        clock[WANTED] = first_step(mem.k[0], mem.k[1], tableau.order, mem, options)
+        _set_out(mem, options)
     elif phase == STAGES:
         count[ROW] += 1
-        if count[ROW] == s:
-            return _judge(tableau, mem, options)
+        if count[ROW] == tableau.b.size:
+            _combine(tableau.b, mem.k, tableau.b.size, clock[STEP], mem.y, mem.trial)
+            err = _error(tableau, mem, clock[STEP], options)
+            if not err <= 1.0:
+                return _reject(mem, rejection(err, tableau.order), options)
+            plan_next(mem, err, tableau.order)
+            count[PHASE] = CLOSING
     elif phase == CLOSING:
-        clock[LAST_START], clock[LAST_STEP] = clock[NOW], clock[STEP]
-        landed = clock[STEP] == clock[END] - clock[NOW]
-        clock[NOW] = clock[END] if landed else clock[NOW] + clock[STEP]
-        _copy(mem.y, mem.y_old)
-        _copy(mem.trial, mem.y)
-        count[ACCEPTED] += 1
-        count[AFTER_REJECTION] = 0
-        count[INTERPOLANT] = 0
+        accept(mem)
         count[PHASE] = READY
     else:
         count[ROW] += 1
@@ -241,53 +207,6 @@ def _use(tableau: Any, mem: Any, options: Any) -> bool:
             _interpolant(tableau, mem)
             count[PHASE] = READY
     return True
-
-
-@part
-def _judge(tableau: Any, mem: Any, options: Any) -> bool:
-    """All stages are there: accept or reject the step, and choose the next (proportional-integral control)."""
-    clock, count = mem.clock, mem.counters
-    h = clock[STEP]
-    _combine(tableau.b, mem.k, tableau.b.size, h, mem.y, mem.trial)
-    err = _error(tableau, mem, h, options)
-    if not err <= 1.0:
-        shrink = 0.9 * err ** (-1.0 / tableau.order) if err < 1e300 else 0.1
-        return _reject(mem, max(0.1, shrink), options)
-    err = max(err, 1e-10)
-    memory_exponent = 0.2 / tableau.order
-    grow = 0.9 * err ** (-0.6 / tableau.order) * max(clock[LAST_ERROR], 1e-4) ** memory_exponent
-    grow = min(6.0, max(0.2, grow))
-    clock[WANTED] = h * (min(1.0, grow) if count[AFTER_REJECTION] == 1 else grow)
-    clock[LAST_ERROR] = err
-    count[PHASE] = CLOSING
-    return True
-
-
-@part
-def _reject(mem: Any, factor: float, options: Any) -> bool:
-    """Try the step again, shorter by `factor`; False if that would be too short."""
-    clock, count = mem.clock, mem.counters
-    count[REJECTED] += 1
-    count[AFTER_REJECTION] = 1
-    clock[WANTED] = factor * clock[STEP]
-    _aim(mem, options)
-    return clock[WANTED] > _SHORTEST * max(abs(clock[NOW]), 1e-3)
-
-
-@part
-def _is_finite(row: np.ndarray) -> bool:
-    """Whether all entries are numbers."""
-    for i in range(row.size):
-        if not abs(row[i]) < np.inf:
-            return False
-    return True
-
-
-@part
-def _copy(source: np.ndarray, target: np.ndarray) -> None:
-    """target[:] = source, without the copy of the source that Numba would make first."""
-    for i in range(source.size):
-        target[i] = source[i]
 
 
 @part
@@ -305,57 +224,13 @@ def _combine(weights: np.ndarray, k: np.ndarray, n: int, h: float, y: np.ndarray
 @part
 def _error(tableau: Any, mem: Any, h: float, options: Any) -> float:
     """Error norm of the step from mem.y to mem.trial; DOP853 blends its estimates of order 5 and 3."""
-    _weigh(tableau.errors[0], mem.k, mem.error)
-    high = h * _norm(mem.error, mem.y, mem.trial, options)
+    weigh(tableau.errors[0], mem.k, mem.error)
+    high = h * norm(mem.error, mem.y, mem.trial, options)
     if tableau.errors.shape[0] == 1 or high == 0.0:
         return high
-    _weigh(tableau.errors[1], mem.k, mem.error)
-    low = h * _norm(mem.error, mem.y, mem.trial, options)
+    weigh(tableau.errors[1], mem.k, mem.error)
+    low = h * norm(mem.error, mem.y, mem.trial, options)
     return high * high / sqrt(high * high + 0.01 * low * low)
-
-
-@part
-def _norm(error: np.ndarray, y0: np.ndarray, y1: np.ndarray, options: Any) -> float:
-    """Root mean square of error / (atol + rtol max(|y0|, |y1|))."""
-    n = error.size
-    total = 0.0
-    for k in range(n):
-        scaled = error[k] / (options.atol + options.rtol * max(abs(y0[k]), abs(y1[k])))
-        total += scaled * scaled
-    return sqrt(total / n)
-
-
-@part
-def _weigh(weights: np.ndarray, k: np.ndarray, out: np.ndarray) -> None:
-    """out = sum_j weights[j] k[j]."""
-    for i in range(out.size):
-        out[i] = 0.0
-    for j in range(weights.size):
-        if weights[j] != 0.0:
-            for i in range(out.size):
-                out[i] += weights[j] * k[j, i]
-
-
-@part
-def _euler_step(mem: Any, options: Any) -> float:
-    """Length of the explicit Euler step that feels out the first step: a hundredth of |y| / |f|."""
-    d0 = _norm(mem.y, mem.y, mem.y, options)
-    d1 = _norm(mem.k[0], mem.y, mem.y, options)
-    h = 1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1
-    return min(h, min(options.max_step, mem.clock[END] - mem.clock[NOW]))
-
-
-@part
-def _first_step(tableau: Any, mem: Any, options: Any) -> float:
-    """Hairer's guess of the first step from the size of f and of its change over the Euler step."""
-    h0 = mem.clock[STEP]
-    d1 = _norm(mem.k[0], mem.y, mem.y, options)
-    for i in range(mem.y.size):
-        mem.error[i] = mem.k[1, i] - mem.k[0, i]
-    d2 = _norm(mem.error, mem.y, mem.y, options) / h0
-    steepest = max(d1, d2)
-    h1 = max(1e-6, 1e-3 * h0) if steepest <= 1e-15 else (0.01 / steepest) ** (1.0 / tableau.order)
-    return min(100.0 * h0, h1)
 
 
 @part
@@ -371,19 +246,7 @@ def _interpolant(tableau: Any, mem: Any) -> None:
         F[2, i] = 2.0 * rise - h * (k[0, i] + k[s, i])
     for r in range(tableau.d.shape[0]):
         row = F[3 + r]
-        _weigh(tableau.d[r], k, row)
+        weigh(tableau.d[r], k, row)
         for i in range(row.size):
             row[i] *= h
     mem.counters[INTERPOLANT] = 1
-
-
-@part
-def interpolate(mem: Any, t: float, out: np.ndarray) -> None:
-    """out = y(t) inside the last step."""
-    x = (t - mem.clock[LAST_START]) / mem.clock[LAST_STEP]
-    rows = mem.F.shape[0]
-    for i in range(out.size):
-        value = 0.0
-        for r in range(rows - 1, -1, -1):
-            value = (value + mem.F[r, i]) * (x if r % 2 == 0 else 1.0 - x)
-        out[i] = mem.y_old[i] + value

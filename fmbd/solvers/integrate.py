@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fmbd.solvers.explicit import (
+from fmbd.solvers.explicit import advance
+from fmbd.solvers.samples import sample
+from fmbd.solvers.steps import (
     ACCEPTED,
     BODY,
     EVALUATIONS,
@@ -23,10 +25,8 @@ from fmbd.solvers.explicit import (
     RUNNING,
     Memory,
     Options,
-    advance,
     memory,
 )
-from fmbd.solvers.samples import sample
 from fmbd.solvers.tableau import Tableau
 from fmbd.system import System
 
@@ -115,7 +115,7 @@ def integrate(
     planar, work = system.planar, system.work
     start = system.start
     y0 = np.concatenate([system.to_modal(start.q), system.to_modal(start.v), start.z, [0.0, 0.0]])
-    mem = memory(tableau, y0, planar.nq)
+    mem = memory(y0, planar.nq, tableau.c.size, 3 + tableau.d.shape[0])
     options = solver_options(system)
     end = float(times[-1])
     breaks = np.append(system.lowered.signals.breakpoints(end), end)

@@ -2,7 +2,7 @@
 
 Straight beams, zero elastic coordinates. The unknowns are the joint coordinates of the tree; equations are the
 constraints of the cut joints, given joint values, given places. Solved by a damped Gauss-Newton method; with no
-hint, from several starting points, so that other assembly modes are seen.
+full guess, from several starting points, so that other assembly modes are seen.
 """
 
 from collections.abc import Mapping
@@ -134,8 +134,17 @@ class RigidMechanism:
         held: Mapping[tuple[str, str], float],
         places: Mapping[str, tuple[float, float]],
         hinted: bool,
+        near: Mapping[tuple[str, str], float] | None = None,
     ) -> Closure:
-        """The closed position nearest to the guess; without a hint, also count other assembly modes."""
+        """The closed position that is found from the guess; if that is not hinted, the nearest of all assembly modes.
+
+        That has the joint coordinates, of cut joints as of all others and angles without their turns, that differ
+        least from those in `near`, 0 where it has none (default: the joint coordinates of the guess). Of modes
+        equally near, the one whose first joint coordinates are greater is taken. Where the mechanism can still move
+        and something is near, the position found from the guess stands.
+        """
+        if near is None:
+            near = self._joint_coordinates(guess)
         in_tree = all(joint not in self.lowered.tree.cut for joint, _ in held)
         if in_tree and not places and not len(self.lowered.planar.held):
             return Closure(guess, 0.0, 0)
@@ -143,7 +152,7 @@ class RigidMechanism:
         if miss < CLOSED:
             return Closure(guess, miss, 0)
         best = self.solve(guess, held, places)
-        if hinted and best.residual < CLOSED:
+        if best.residual < CLOSED and (hinted or (near and not self._determined(best.q, held, places))):
             return Closure(self._unwind(best.q, guess, held), best.residual, 0)
         found = [best.q] if best.residual < CLOSED else []
         rng = np.random.default_rng(20221230)
@@ -161,10 +170,33 @@ class RigidMechanism:
         if not found:
             return best
         found = [self._unwind(q, guess, held) for q in found]
-        nearest = min(found, key=lambda q: float(np.linalg.norm(q - guess)))
-        rigid = self.equations(nearest, held, places)[1][:, self.unknowns]
-        unique = np.linalg.matrix_rank(rigid, tol=1e-9) == self.unknowns.size
-        return Closure(nearest, 0.0, len(found) - 1 if unique else 0)
+        nearest = min(found, key=lambda q: self._distance(q, near))
+        return Closure(nearest, 0.0, len(found) - 1 if self._determined(nearest, held, places) else 0)
+
+    def _determined(
+        self, q: Array, held: Mapping[tuple[str, str], float], places: Mapping[str, tuple[float, float]]
+    ) -> bool:
+        """Whether the equations leave no motion at q."""
+        rows = self.equations(q, held, places)[1][:, self.unknowns]
+        return bool(np.linalg.matrix_rank(rows, tol=1e-9) == self.unknowns.size)
+
+    def _joint_coordinates(self, q: Array) -> dict[tuple[str, str], float]:
+        """All joint coordinates that are not driven."""
+        frames = self.reference.stations(q, 0.0)
+        return {
+            (name, direction): float(self._coordinate(name, direction, *frames)[0])
+            for name, joint in self.lowered.model.joints.items()
+            for direction in joint.coordinates
+            if direction not in joint.driven
+        }
+
+    def _distance(self, q: Array, near: Mapping[tuple[str, str], float]) -> tuple[float, ...]:
+        """Sorts positions by what their joint coordinates are away from those in `near`."""
+        away = []
+        for (joint, direction), value in self._joint_coordinates(q).items():
+            step = value - near.get((joint, direction), 0.0)
+            away.append(wrap(step) if direction == "angle" else step)
+        return (round(float(np.linalg.norm(away)), 9), *(-np.round(away, 6)))
 
     def _unwind(self, q: Array, guess: Array, held: Mapping[tuple[str, str], float]) -> Array:
         """Take full turns out of the angles that are not held."""
@@ -172,7 +204,7 @@ class RigidMechanism:
         fixed = [f"{joint}.{direction}" for joint, direction in held]
         free = [k for k in self.unknowns[self.is_angle] if names[k] not in fixed]
         q = np.array(q)
-        q[free] -= 2.0 * np.pi * np.round((q[free] - guess[free]) / (2.0 * np.pi))
+        q[free] -= turns(q[free] - guess[free])
         return q
 
     def _size(self) -> float:
@@ -181,6 +213,11 @@ class RigidMechanism:
         return float(np.ptp(position, axis=0).max()) or 1.0
 
 
+def turns(angle: Any) -> Any:
+    """The whole turns [rad] in an angle or an array of angles that leave it in (-pi, pi], -pi taken for pi."""
+    return 2.0 * np.pi * np.ceil(angle / (2.0 * np.pi) - 0.5 - 1e-9)
+
+
 def wrap(angle: float) -> float:
     """The same angle in (-pi, pi]."""
-    return float(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
+    return float(angle - turns(angle))

@@ -7,6 +7,8 @@ column is alive in every body on the way there; each (body, constraint) pair is 
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from fmbd.planar.arrays import ANGLE, SLOT, records
 
 GROUND = -1
@@ -33,9 +35,10 @@ def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constra
     closed: list[list[int]] = [[] for _ in parents]
     open_: list[list[int]] = [[] for _ in parents]
     ground: list[int] = []
+    inertias = _inertias(bodies, stations), _borrowed(bodies, stations)
     for c, constraint in enumerate(constraints):
         touched = _touched(stations, terms, pathways[constraint["pathway"]])
-        constraint["freedom"] = _freedom(bodies, stations, terms, pathways[constraint["pathway"]])
+        constraint["freedom"] = _freedom(inertias, stations, terms, pathways[constraint["pathway"]])
         closing = closing_body(parents, touched)
         alive = {body for start in touched for body in _path(parents, start) if body > closing}
         for body in alive:
@@ -80,18 +83,42 @@ def _touched(stations: Any, terms: Any, pathway: Any) -> set[int]:
     return {int(stations[terms[j][end]]["body"]) for j in indices for end in "ab"}
 
 
-def _freedom(bodies: Any, stations: Any, terms: Any, pathway: Any) -> float:
-    """The least acceleration along a pathway that a unit force along it gives to one of its bodies, were that free."""
-    found = []
-    for j in range(pathway["term0"], pathway["term0"] + pathway["nterm"]):
-        for end in "ab":
-            k = int(stations[terms[j][end]]["body"])
-            if k == GROUND:
-                continue
-            body, inner = bodies[k], stations[bodies[k]["inner"]]
-            # about the joint that carries the body, or more
-            turning = body["J"] + body["mass"] * (inner["ax"] ** 2 + inner["ay"] ** 2)
-            inertia = float(turning if terms[j]["kind"] == ANGLE else body["mass"])
-            if inertia > 0.0:
-                found.append(float(terms[j]["coefficient"]) ** 2 / inertia)
+def _freedom(inertias: Sequence[np.ndarray], stations: Any, terms: Any, pathway: Any) -> float:
+    """The least acceleration along a pathway that a unit force along it gives to one of its bodies, were that free.
+
+    If these bodies have no inertia, what they borrow counts.
+    """
+    found: list[float] = []
+    for table in inertias:
+        for j in range(pathway["term0"], pathway["term0"] + pathway["nterm"]):
+            for end in "ab":
+                k = int(stations[terms[j][end]]["body"])
+                inertia = float(table[k, int(terms[j]["kind"] == ANGLE)]) if k != GROUND else 0.0
+                if inertia > 0.0:
+                    found.append(float(terms[j]["coefficient"]) ** 2 / inertia)
+        if found:
+            break
     return min(found, default=0.0)
+
+
+def _inertias(bodies: Any, stations: Any) -> np.ndarray:
+    """Mass, and moment of inertia about the joint that carries the body, or more; shape (bodies, 2)."""
+    inner = stations[bodies["inner"]]
+    turning = bodies["J"] + bodies["mass"] * (inner["ax"] ** 2 + inner["ay"] ** 2)
+    return np.stack([bodies["mass"], turning], axis=-1)
+
+
+def _borrowed(bodies: Any, stations: Any) -> np.ndarray:
+    """As `_inertias`; where there is none, that of the bodies carried, or else of the one that carries."""
+    inertias = _inertias(bodies, stations)
+    lacking = inertias == 0.0
+    carried = [k for k, parent in enumerate(bodies["parent"]) if parent != GROUND]
+    for k in reversed(carried):
+        parent = bodies[k]["parent"]
+        outer, inner = stations[bodies[k]["outer"]], stations[bodies[parent]["inner"]]
+        mass, turning = inertias[k]
+        turning += mass * ((outer["ax"] - inner["ax"]) ** 2 + (outer["ay"] - inner["ay"]) ** 2)
+        inertias[parent] += lacking[parent] * np.array([mass, turning])
+    for k in carried:
+        inertias[k] += (inertias[k] == 0.0) * inertias[bodies[k]["parent"]]
+    return inertias

@@ -49,6 +49,7 @@ class Lowered:
     springs: list[tuple[int, float, float, float]] = field(default_factory=list)
     spring_names: list[str] = field(default_factory=list)
     rest_at_start: list[int] = field(default_factory=list)
+    rest_nearby: list[int] = field(default_factory=list)  # springs to start within half a turn of rest
     cut_angles: list[tuple[int, str]] = field(
         default_factory=list
     )  # pathways that follow a cut joint's angle
@@ -336,11 +337,36 @@ def _springs(out: Lowered) -> None:
             kind, rest = ANGLE, spring.rest_angle
         else:
             kind, rest = DISTANCE, spring.rest_length
+        terms: list[Term] = [(kind, a, b, (1.0, 0.0), 1.0)]
         if rest is None:
             out.rest_at_start.append(len(out.springs))
-        path = out.pathway([(kind, a, b, (1.0, 0.0), 1.0)])
+        if kind == ANGLE and rest is not None and _through_loop(out, a[0], b[0]):
+            out.rest_nearby.append(len(out.springs))
+            path = out.own_pathway(terms)
+        else:
+            path = out.pathway(terms)
         out.springs.append((path, spring.stiffness, spring.damping, rest or 0.0))
         out.spring_names.append(name)
+
+
+def _through_loop(out: Lowered, first: str, second: str) -> bool:
+    """Whether the way from one body to another goes through a joint of a closed loop."""
+    parents = {link.name: link.parent for link in out.tree.links}
+
+    def way(a: str, b: str) -> set[str]:
+        """The bodies whose joints lie between a and b."""
+        paths = []
+        for body in (a, b):
+            path = set()
+            while body in parents:
+                path.add(body)
+                body = parents[body]
+            paths.append(path)
+        return paths[0] ^ paths[1]
+
+    between = way(first, second)
+    loops = (out.model.joints[joint].between for joint in out.tree.cut)
+    return any(between & way(a.body, b.body) for a, b in loops)
 
 
 def _loads(out: Lowered) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:

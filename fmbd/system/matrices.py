@@ -23,6 +23,7 @@ Array = np.ndarray
 _STEP = 1e-200  # its square vanishes: derivatives are exact to round-off
 _BATCH = 4_000_000  # numbers in one batch of Jacobians
 _DEPENDENT = 1e-11  # a constraint that adds less than this share is redundant
+_SPARE = 1e-9  # so is for gravity compensation one that adds less than this, or a motor
 
 
 class _Mechanism(Protocol):
@@ -140,7 +141,8 @@ def matrices(system: _System, q: Array, v: Array, t: float = 0.0, z: Array | Non
 def gravity_compensation(system: _Mechanism, q: Array, t: float = 0.0) -> Array:
     """Joint torques of the motors (motors,) that hold the rigid mechanism at q (nq,) against gravity.
 
-    Least squares on the joint coordinates, rotors left out: g = J^T tau + Phi_q^T lambda, all beams straight.
+    Least squares on the joint coordinates, rotors left out: g = J^T tau + Phi_q^T lambda, all beams straight; of all
+    torques that do, the least.
     """
     planar, reference = system.planar, system.reference
     x = np.append(q, t)
@@ -149,10 +151,16 @@ def gravity_compensation(system: _Mechanism, q: Array, t: float = 0.0) -> Array:
     bodies, stations = reference.frames(x[:-1], t)
     joints = planar.bodies["coordinate"][planar.bodies["rotor"] == 0]
     joints = joints[joints >= 0]
-    held = planar.constraints["pathway"][planar.held]
-    columns = reference.lengths(stations)[np.append(planar.motors["joint_pathway"], held), 1:].T
-    weight = reference.inertia.weight(bodies, x, planar.gravity)
-    return np.linalg.lstsq(columns[joints], weight[joints], rcond=_DEPENDENT)[0][: planar.motors.size]
+    rows = reference.lengths(stations)[:, 1:][:, joints]
+    J, Phi_q = rows[planar.motors["joint_pathway"]], rows[planar.constraints["pathway"][planar.held]]
+    weight = reference.inertia.weight(bodies, x, planar.gravity)[joints]
+    # J less what lies along Phi_q; the constraints do that part for nothing
+    little = _SPARE * np.linalg.norm(np.vstack([J, Phi_q]), axis=1).max(initial=0.0)
+    _, size, held = np.linalg.svd(Phi_q, full_matrices=False)
+    held = held[size > little]
+    mix, size, pull = np.linalg.svd(J - J @ held.T @ held, full_matrices=False)
+    kept = size > little
+    return mix[:, kept] @ (pull[kept] @ weight / size[kept])
 
 
 def _motion(reference: Reference, x: Array, r: Array) -> tuple[Array, Array, Array]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fmbd.model import ControllerRef, GravityCompensation, Placement
 from fmbd.model.controllers import Controller
-from fmbd.system.closure import CLOSED, Closure, RigidMechanism
+from fmbd.system.closure import CLOSED, Closure, RigidMechanism, turns
 from fmbd.system.lower import Lowered, motor_coordinate
 from fmbd.system.matrices import gravity_compensation
 
@@ -59,8 +59,11 @@ def _check_drivers(lowered: Lowered, reference: Any) -> None:
 
 
 def _relax_pathways(lowered: Lowered, reference: Any, q: Array) -> None:
-    """Transmissions and springs whose rest is left out carry nothing at the start."""
+    """Transmissions and springs whose rest is left out carry nothing at the start; some are near their rest."""
     values, _ = reference.pathways(q, 0.0)
+    for index in lowered.rest_nearby:
+        spring = lowered.planar.springs[index]
+        lowered.planar.pathways[spring.pathway].offset = -turns(values[spring.pathway] - spring.rest)
     for index in lowered.relaxed:
         lowered.planar.pathways[index].offset -= values[index]
     for index in lowered.rest_at_start:
@@ -92,9 +95,12 @@ def _position(lowered: Lowered, mechanism: RigidMechanism, remarks: list[str]) -
             f"start as given (consistent: false); the loops are open by {np.abs(miss).max(initial=0.0):.3g} m"
         )
         return guess
-    closure = mechanism.search(guess, joints, initial.place, hinted=bool(hints) or bool(joints))
+    near = hints | joints
+    known = all(tuple(lowered.coordinates[k][0].split(".")) in near for k in mechanism.unknowns)
+    closure = mechanism.search(guess, joints, initial.place, hinted=known, near=near)
     if closure.residual < CLOSED:
-        _remark_closure(lowered, closure, remarks)
+        if not hints:
+            _remark_closure(lowered, closure, remarks)
         return closure.q
     closed = mechanism.solve(guess, {}, initial.place)
     moved = closed.q - guess
@@ -148,7 +154,7 @@ def _set_branches(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q
         if drive is not None:
             near = reference.signal(lowered.signals.add(drive), 0.0)[0]
         angle = mechanism.coordinate(q, joint, "angle")[0]
-        lowered.turns[joint] = float(2.0 * np.pi * np.round((angle - near) / (2.0 * np.pi)))
+        lowered.turns[joint] = float(turns(angle - near))
     for index, joint in lowered.cut_angles:
         path = lowered.planar.pathways[index]
         path.offset = -lowered.planar.terms[path.term0].coefficient * lowered.turns[joint]
@@ -239,24 +245,27 @@ def set_targets(system: Any, mechanism: RigidMechanism) -> None:
         motor = model.motors[name]
         if isinstance(law.target, Placement):
             places |= law.target.places
+            continue
+        signal = law.target[motor.joint] if isinstance(law.target, dict) else law.target
+        if signal.type == "constant":
+            held[motor.joint, motor_coordinate(model, motor)] = float(signal.value)
         else:
-            held[motor.joint, motor_coordinate(model, motor)] = _constant_target(system, name, law)
+            # a joint that follows a varying target is left where the places put it
+            _check_nothing_compensates(system, at_target, name)
     q = _move(system, mechanism, held, places)
     _fill_targets(system, mechanism, q, at_target)
 
 
-def _constant_target(system: Any, name: str, law: Any) -> float:
-    """The value of a target signal, which must not vary."""
+def _check_nothing_compensates(system: Any, at_target: dict[str, Any], varying: str) -> None:
+    """Gravity compensation at the target needs one position of the whole mechanism."""
     model = system.lowered.model
-    motor = model.motors[name]
-    signal = law.target[motor.joint] if isinstance(law.target, dict) else law.target
-    if signal.type != "constant":
-        raise model.error(
-            ("controllers", motor.input.name, "feedforward"),
-            "gravity compensation at the target needs a constant target; "
-            "write {type: gravity_compensation, computed: online}",
-        )
-    return float(signal.value)
+    for name, law in at_target.items():
+        if _compensates_at_target(law):
+            raise model.error(
+                ("controllers", model.motors[name].input.name, "feedforward"),
+                f"gravity compensation at the target needs constant targets, that of motor {varying} varies; "
+                "write {type: gravity_compensation, computed: online}",
+            )
 
 
 def _move(

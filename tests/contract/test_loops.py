@@ -4,6 +4,7 @@ from math import pi
 
 import numpy as np
 import pytest
+import yaml
 from mechanisms import cut_at, five_bar
 from numpy.testing import assert_allclose
 from physics import assert_same, build, run, start, trajectory
@@ -50,14 +51,17 @@ def test_a_joint_that_is_there_twice(kind):
     assert_same(trajectory(once, POINTS, TIMES), trajectory(twice, POINTS, TIMES))
 
 
+@pytest.mark.parametrize("longer", [0, 5e-11])
 @pytest.mark.parametrize("rtol", [1e-3, 1e-10])
-def test_a_parallelogram_with_a_second_coupler(rtol):
+def test_a_parallelogram_with_a_second_coupler(rtol, longer):
     """Between parallel cranks a second, massless-like coupler is redundant in one direction, and stays closed.
+
+    So it does if its length is rounded: no position closes both loops better than that.
 
     Exact: the cranks and the first coupler are a pendulum, (2 J + m) phi'' = -(2 m / 2 + m) g cos(phi), whose energy
     is conserved.
     """
-    body = "second: {type: rigid, mass: 1e-9, inertia: 1e-9, points: {tip: [1, 0]}}"
+    body = f"second: {{type: rigid, mass: 1e-9, inertia: 1e-9, points: {{tip: [{1 + longer!r}, 0]}}}}"
     joints = """
   lower: {type: revolute, between: [left.middle, second.origin]}
   lower_too: {type: revolute, between: [second.tip, right.middle]}"""
@@ -112,6 +116,102 @@ def test_a_beam_held_by_its_far_end_keeps_all_digits():
     data["initial"]["rates"] = {"shoulder_right": 1, "shoulder_left": -1}
     points = ["rod_left.start", "rod_left.node5", "rod_left.end"]
     assert_same(start(build(data), points), start(build(cut_at(data, ["elbow_left"])), points), 1e-10)
+
+
+def test_a_joint_that_is_there_twice_on_a_massless_body():
+    """Only the load has a mass; rail and roller hold the carriage twice. Exact: a body slides, s'' = -g sin(0.3)."""
+    system = build("""
+fmbd: 1
+gravity: [0, -9.81]
+ground: {points: {slope: {at: [0, 0], angle: 0.3}}}
+bodies:
+  carriage: {type: rigid, mass: 0, inertia: 0, points: {front: [0.5, 0]}}
+  load: {type: rigid, mass: 2, inertia: 0.1}
+joints:
+  rail: {type: prismatic, between: [ground.slope, carriage.origin]}
+  roller: {type: pin_in_slot, between: [ground.slope, carriage.front]}
+  bolt: {type: weld, between: [carriage.origin, load.origin]}
+""")
+    acceleration, multiplier = system.accelerations(system.start.q, system.start.v)
+    assert acceleration == pytest.approx(-9.81 * np.sin(0.3), rel=1e-12)
+    assert multiplier == pytest.approx(0, abs=1e-9)
+    assert run(system, TIMES).position[-1] == pytest.approx(-9.81 * np.sin(0.3) * 0.5**2 / 2, rel=1e-12)
+
+
+def triangle(where: str, cut: str, more: str = "") -> str:
+    """A four-bar whose coupler and rocker, 0.8 and 0.6 m, meet at a right angle if the crank is at 0 or pi/2.
+
+    The rocker's pivot is then 1 m to the left of the crank's tip.
+    """
+    data = yaml.safe_load(f"""
+fmbd: 1
+bodies:
+  crank: {{type: rigid, mass: 1, inertia: 0.1, points: {{tip: [0.5, 0]}}}}
+  coupler: {{type: rigid, mass: 1, inertia: 0.1, points: {{tip: [0.8, 0]}}}}
+  rocker: {{type: rigid, mass: 1, inertia: 0.1, points: {{tip: [0.6, 0]}}}}
+joints:
+  foot: {{type: revolute, between: [ground.origin, crank.origin]}}
+  knee: {{type: revolute, between: [crank.tip, coupler.origin]}}
+  elbow: {{type: revolute, between: [coupler.tip, rocker.tip]}}
+  pivot: {{type: revolute, between: [ground.pivot, rocker.origin]}}
+{where}
+{more}
+""")
+    return yaml.safe_dump(cut_at(data, [cut]), sort_keys=False)
+
+
+UPRIGHT = "ground: {points: {pivot: {at: [-1, 0.5], angle: -0.5}}}"
+GIVEN = f"{UPRIGHT}\ninitial: {{joints: {{foot: pi/2}}, hints: {{knee: 2.2, elbow: 1.6, pivot: -0.4}}}}"
+LEVEL = "ground: {points: {pivot: [-0.5, 0]}}"
+
+
+@pytest.mark.parametrize("cut", ["foot", "knee", "elbow", "pivot"])
+@pytest.mark.parametrize(
+    ("where", "elbow"),
+    [
+        # (knee, elbow, pivot) = (0.93, -1.57, 1.43), not (2.21, 1.57, -0.43)
+        (f"{UPRIGHT}\ninitial: {{place: {{knee: [0, 0.5]}}}}", (-0.64, 0.98)),
+        (f"{UPRIGHT}\ninitial: {{joints: {{foot: pi/2}}}}", (-0.64, 0.98)),
+        # both equally far from zero: (2.50, -1.57, 0.93), the knee positive
+        (f"{LEVEL}\ninitial: {{joints: {{foot: 0}}}}", (-0.14, 0.48)),
+        (f"{UPRIGHT}\ninitial: {{place: {{knee: [0, 0.5]}}, hints: {{knee: 2.2}}}}", (-0.64, 0.02)),
+    ],
+)
+def test_the_assembly_mode_does_not_depend_on_the_cut(where, elbow, cut):
+    """Of two modes, the one whose joint coordinates, cut joints included, are nearest to the hints or zero."""
+    system = build(triangle(where, cut))
+    position = system.reference.stations(system.start.q)[0][system.station_of_place("elbow")]
+    assert_allclose(position, elbow, atol=1e-9)
+
+
+@pytest.mark.parametrize(("rest", "turns"), [(3, 0), (-3, -1), (7, 1), (10, 1)])
+@pytest.mark.parametrize("cut", ["foot", "knee", "elbow", "pivot"])
+def test_a_torsional_spring_across_a_loop(cut, rest, turns):
+    """It starts within half a turn of its rest angle, whichever joint is cut.
+
+    The coupler is at pi + atan(3/4): 3.79 by way of the crank, 3.79 - 2 pi by way of the rocker.
+    """
+    ends = "between: [ground.origin, coupler.origin]"
+    springs = f"springs: {{s: {{type: torsional, {ends}, stiffness: 3, rest_angle: {rest}}}}}"
+    system = build(triangle(GIVEN, cut, springs))
+    angle = system.reference.pathways(system.start.q)[0][system.planar.springs[0].pathway]
+    assert angle == pytest.approx(pi + np.arctan(0.75) + 2 * pi * turns, abs=1e-9)
+    assert_same(
+        start(build(triangle(GIVEN, "knee", springs)), ["coupler.tip"]), start(system, ["coupler.tip"])
+    )
+
+
+def test_a_torsional_spring_in_an_open_chain_counts_turns():
+    """Without a loop the joint between its ends says how far it is wound, 7 rad. Exact: J q'' = -k (7 - 0.5)."""
+    system = build("""
+fmbd: 1
+bodies: {disc: {type: rigid, mass: 1, inertia: 0.1}}
+joints: {axle: {type: revolute, between: [ground.origin, disc.origin]}}
+springs: {s: {type: torsional, between: [ground.origin, disc.origin], stiffness: 3, rest_angle: 0.5}}
+initial: {joints: {axle: 7}}
+""")
+    acceleration = system.accelerations(system.start.q, system.start.v)[0]
+    assert acceleration == pytest.approx(-3 * 6.5 / 0.1, rel=1e-12)
 
 
 def geared(transmission: str, ratio: float, foot: str = "revolute") -> System:

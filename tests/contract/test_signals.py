@@ -111,6 +111,13 @@ def test_steps_end_where_a_signal_jumps(signal, method):
         (PULSES, "motion jumps"),
         ("{type: table, file: drive.csv}", "rate jumps at t = 0.1 s, from 8 to -10"),
         ("{type: table, file: drive.csv, interpolation: cubic}", "rate jumps at t = 0.7 s"),
+        ('"max(0, t - 0.3)"', r"rate can jump, by max\(\) of t in 'max\(0, t - 0.3\)', which no"),
+        ('"2 * min(t, 0.5, 3)"', r"rate can jump, by min\(\)"),
+        ('"abs(sin(4*t)) * abs(-2)"', r"rate can jump, by abs\(\)"),
+        ('"sign(t - 0.5)"', r"motion can jump, by sign\(\)"),
+        ('"floor(t + 0.5)"', r"motion can jump, by floor\(\)"),
+        ('"ceil(t)"', r"motion can jump, by ceil\(\)"),
+        ('"1 + t % 0.5"', "motion can jump, by %"),
     ],
 )
 def test_a_drive_that_jumps_is_refused(signal, what):
@@ -125,6 +132,7 @@ def test_a_drive_that_jumps_is_refused(signal, what):
         "{type: smooth_step, start: 0.1, end: 0.5, to: 2}",
         "{type: ramp, end: 2, to: 3}",  # from 0 on, and beyond the end of the run
         "{type: sine, amplitude: 1, frequency: 2}",
+        '"max(1, abs(-2), floor(2.5)) * sin(3*t) + 7 % 3"',  # of constants they are constants
     ],
 )
 def test_a_smooth_drive_is_followed(signal):

@@ -84,6 +84,67 @@ def test_freedom_grows_at_a_singular_position():
     assert mobility(system, np.zeros(5)).degrees_of_freedom == 3
 
 
+def bolted(point, angle):
+    """A bracket bolted to a flying body that swings on a spring, at a point and angle; its own point q is where
+    the flying body's origin is, q's frame along that of the point."""
+    body = {"type": "rigid", "mass": 1, "inertia": 0.1}
+    c, s = np.cos(angle), np.sin(angle)
+    back = [float(-c * point[0] - s * point[1]), float(s * point[0] - c * point[1])]
+    return {
+        "carrier": body | {"points": {"p": {"at": list(point), "angle": angle}}},
+        "bracket": body | {"points": {"q": {"at": back, "angle": -angle}}},
+    }
+
+
+@pytest.mark.parametrize("turn", [0, 0.1, 0.4, 0.9, 2])
+@pytest.mark.parametrize("point", [(0.1, 0.05), (0.3, 0.1), (0.6, 0.35)])
+def test_round_off_is_no_constraint(point, turn):
+    """Carrier and bracket are one body that hangs on a spring along x: a slot between them holds nothing, although
+    5e-17 is left in its row. Motions: omega^2 = k (1/m + y^2 / J) of a body pulled at y from its centre of mass, and
+    twice 0."""
+    system = build(
+        ground={"points": {"far": [-3, 0]}},
+        bodies=bolted(point, 0.7),
+        joints={
+            "fly": {"type": "free", "between": ["ground.origin", "carrier.origin"]},
+            "bolt": {"type": "weld", "between": ["carrier.p", "bracket.origin"]},
+            "slot": {"type": "pin_in_slot", "between": ["carrier.origin", "bracket.q"], "cut": True},
+        },
+        springs={
+            "s": {"type": "point_to_point", "between": ["ground.far", "carrier.origin"], "stiffness": 18}
+        },
+        initial={"joints": {"fly": {"x": 0.2, "angle": turn}}},
+    )
+    found = mobility(system)
+    assert found.degrees_of_freedom == 3
+    assert [(r.constraint, r.follows_from) for r in found.redundant] == [("slot.y", ())]
+    y = (point[0] * np.sin(turn) + point[1] * np.cos(turn)) / 2
+    J = 0.2 + (point[0] ** 2 + point[1] ** 2) / 2
+    omega = np.sqrt(18 * (1 / 2 + y**2 / J))
+    assert_allclose(2 * np.pi * natural_frequencies(system), [0, 0, omega], atol=1e-12)
+
+
+@pytest.mark.parametrize("turn", [0, 0.1, 0.4, 0.9, 2])
+def test_a_hinge_that_is_there_twice(turn):
+    """The bracket comes back to the carrier's hinge: a second hinge there has levers of round-off, and holds nothing.
+
+    omega^2 = k / J about the hinge; J = 2 I + m |p|^2, of which the bracket's mass is at p.
+    """
+    system = build(
+        bodies=bolted((0.3, 0.4), 0.7),
+        joints={
+            "hinge": revolute("ground.origin", "carrier.origin") | {"spring": {"stiffness": 9}},
+            "bolt": {"type": "weld", "between": ["carrier.p", "bracket.origin"]},
+            "again": revolute("ground.origin", "bracket.q") | {"cut": True},
+        },
+        initial={"joints": {"hinge": turn}},
+    )
+    found = mobility(system)
+    assert found.degrees_of_freedom == 1
+    assert [r.constraint for r in found.redundant] == ["again.x", "again.y"]
+    assert_allclose(2 * np.pi * natural_frequencies(system), np.sqrt(9 / (0.2 + 0.25)), rtol=1e-12)
+
+
 @pytest.mark.parametrize("elements", [1, 3])
 def test_frequencies_are_those_of_mass_and_stiffness_matrix(elements):
     """Generalised eigenvalues of K and M on the motions that Phi_q allows; two motions are free."""
@@ -129,6 +190,42 @@ def test_a_mass_on_two_springs():
         },
     )
     assert_allclose(2 * np.pi * natural_frequencies(system), [0, 2, 5], atol=1e-12)
+
+
+@pytest.mark.parametrize("rest", [{"rest_length": 0}, {}])
+def test_a_spring_without_length(rest):
+    """It pulls with k times the vector between its points, which coincide: omega^2 = k/m in both directions, also
+    when the rest length is left to the start."""
+    system = build(
+        bodies={"disc": {"type": "rigid", "mass": 2.0, "inertia": 0.1}},
+        joints={"loose": {"type": "free", "between": ["ground.origin", "disc.origin"]}},
+        springs={
+            "s": {"type": "point_to_point", "between": ["ground.origin", "disc.origin"], "stiffness": 50}
+            | rest
+        },
+    )
+    assert_allclose(2 * np.pi * natural_frequencies(system), [0, 5, 5], atol=1e-12)
+    q = np.array([-3e-3, 4e-3, 0.7])
+    assert_allclose(system.accelerations(q, 0 * q)[0], [25 * 3e-3, -25 * 4e-3, 0], rtol=1e-14, atol=1e-18)
+    assert_allclose(system.accelerations(0 * q, 0 * q)[0], 0, atol=0)
+
+
+def test_a_spring_of_no_rest_length_is_as_stiff_across():
+    """Stretched along x, it holds its end back along y by the same k: omega^2 = k/m twice."""
+    system = build(
+        ground={"points": {"far": [3, 0]}},
+        bodies={"disc": {"type": "rigid", "mass": 2.0, "inertia": 0.1}},
+        joints={"loose": {"type": "free", "between": ["ground.origin", "disc.origin"]}},
+        springs={
+            "s": {
+                "type": "point_to_point",
+                "between": ["ground.far", "disc.origin"],
+                "stiffness": 50,
+                "rest_length": 0,
+            }
+        },
+    )
+    assert_allclose(2 * np.pi * natural_frequencies(system), [0, 5, 5], atol=1e-12)
 
 
 def test_a_coordinate_without_mass_has_no_frequency():
