@@ -12,9 +12,9 @@ What makes Exudyn fast here, each found by trying:
   unstable at small steps; the trapezoidal rule of index 2 costs and errs alike too, but fails at large steps);
 - sparse matrices of Eigen, or dense ones for a single element.
 
-ANCF beams stretch, shorten when bent, and are stiffened or softened by axial forces; fmbd's, as the paper's, bend
-only. So frequencies without load agree (check_exudyn.py); the axial load shifts them by some 2 %, up here, down there,
-and deflections by a tenth. A code's error is therefore measured against its own converged run.
+ANCF beams stretch, shorten when bent, and lose stiffness under compression; fmbd's, as the paper's, bend only. So
+frequencies without load agree (check_exudyn.py), but the load lowers those of the rods by some 2 % here and raises them
+by as much there, and deflections differ by a tenth: a code's error is measured against its own converged run.
 """
 
 import contextlib

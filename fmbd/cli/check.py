@@ -177,7 +177,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     from numpy.linalg import LinAlgError
 
     from fmbd.analyses import longest_step, natural_frequencies
-    from fmbd.solvers.integrate import method
+    from fmbd.solvers.methods import explicit_tableau
 
     label = "frequencies"
     if system.planar.nq > COORDINATES:
@@ -198,7 +198,10 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     motors = "motors free, " if system.model.motors else ""
     yield "", f"at the start, {motors}undamped; stiffness of beams and springs only, no gravity, no preload"
     simulation = system.model.simulation
-    step = longest_step(method(simulation.method), float(some[-1]))
+    tableau = explicit_tableau(simulation.method)
+    if tableau is None or simulation.method == "auto":
+        return
+    step = longest_step(tableau, float(some[-1]))
     if step < simulation.duration / 100.0:
         count = float(f"{simulation.duration / step:.2g}")
         yield (

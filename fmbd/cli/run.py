@@ -46,7 +46,7 @@ def add(commands: Any) -> None:
         help=f"the archive (default: the model's name + {SUFFIX})",
     )
     for key, metavar, what in (
-        ("method", "NAME", "dop853, rk45 or baumgarte"),
+        ("method", "NAME", "auto, dop853, rk45, rodas5p or baumgarte"),
         ("rtol", "NUMBER", "relative tolerance of a step"),
         ("duration", "SECONDS", "simulated time"),
     ):
@@ -112,12 +112,17 @@ def _progress(model: "Model", quiet: bool) -> Iterator[Callable[[float], None] |
         yield lambda reached: bar.update(task, completed=reached)
 
 
+def _method(run: "Run") -> str:
+    picked = run.statistics.get("choice")
+    return f"auto: {picked}" if picked else run.model.simulation.method
+
+
 def _summarise(run: "Run", output: Path) -> None:
     simulation = run.model.simulation
     size = output.stat().st_size / 1e6
     show(f"{run.model.name}: {run.status}", style="bold")
     rows = [
-        ("method", f"{simulation.method}, rtol {simulation.rtol:g}, atol {simulation.atol:g}"),
+        ("method", f"{_method(run)}, rtol {simulation.rtol:g}, atol {simulation.atol:g}"),
         (
             "simulated",
             f"{run.statistics['time_reached']:g} of {simulation.duration:g} s, {len(run.time)} outputs",

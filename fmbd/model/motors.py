@@ -4,8 +4,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, ValidationInfo, model_validator
 
-from fmbd.model.base import NotNegative, NotZero, Part, Positive, Text
+from fmbd.model.base import NotNegative, NotZero, Part, Positive, Text, short_form
 from fmbd.model.context import context_of, reject
+from fmbd.model.laws import Backlash
 from fmbd.model.signals import Signal, SignalField, check_signal_name, to_signal
 
 
@@ -21,7 +22,9 @@ class Transmission(Part):
     stiffness: Positive
     """Torsional stiffness at the joint [N m/rad]."""
     damping: NotNegative = 0.0
-    """Viscous damping at the joint [N m s/rad]."""
+    """Viscous damping at the joint [N m s/rad]; with backlash, where the shaft takes hold."""
+    backlash: Annotated[Backlash | None, short_form("gap", Positive | Backlash)] = None
+    """Play of the gear at the joint: its whole width [rad], or {gap, transition}."""
 
 
 def _to_input(value: Any, info: ValidationInfo) -> Signal | ControllerRef:
@@ -62,7 +65,7 @@ class _Motor(Part):
             json_schema_input_type=Literal["rigid"] | Transmission,
         ),
     ] = None
-    """Elastic shaft {stiffness, damping}, or rigid."""
+    """Elastic shaft {stiffness, damping, backlash}, or rigid."""
 
     @model_validator(mode="after")
     def _check(self) -> "_Motor":

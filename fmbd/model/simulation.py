@@ -21,8 +21,10 @@ class Simulation(Part):
 
     duration: Positive = 1.0
     """Simulated time [s]."""
-    method: Literal["dop853", "rk45", "baumgarte"] = "dop853"
-    """Explicit Runge-Kutta of order 8 or 5 with projection, or the null-space Baumgarte scheme."""
+    method: Literal["auto", "dop853", "rk45", "rodas5p", "baumgarte"] = "auto"
+    """auto: dop853 or rodas5p, whichever gets on with less work. dop853, rk45: explicit, order 8 and 5. rodas5p:
+    linearly implicit, order 5, for fine or damped beams and stiff springs. All with projection onto the constraints.
+    baumgarte: the null-space scheme of the paper."""
     rtol: Positive = 1e-6
     """Relative tolerance of a step."""
     atol: Positive = Field(default_factory=lambda data: data["rtol"])

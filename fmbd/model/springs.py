@@ -4,21 +4,18 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from fmbd.model.base import NotNegative, Number, Part
+from fmbd.model.base import NotNegative, Number
 from fmbd.model.context import reject
+from fmbd.model.laws import SpringLaw
 from fmbd.model.points import PointRefField
 
 
-class PointToPointSpring(Part):
+class PointToPointSpring(SpringLaw):
     """A spring and damper along the line between two points."""
 
     type: Literal["point_to_point"]
     between: tuple[PointRefField, PointRefField]
     """The two points: [body.point, body.point]."""
-    stiffness: NotNegative = 0.0
-    """Stiffness [N/m]."""
-    damping: NotNegative = 0.0
-    """Viscous damping [N s/m]."""
     rest_length: NotNegative | None = None
     """Length without force [m]; relaxed at the start when left out."""
 
@@ -29,7 +26,7 @@ class PointToPointSpring(Part):
         return self
 
 
-class TorsionalSpring(Part):
+class TorsionalSpring(SpringLaw):
     """A spring and damper on the angle of the second point's frame minus the first's.
 
     The angle counts the turns of the joints between the two points. If one of these joints is part of a closed loop,
@@ -39,10 +36,6 @@ class TorsionalSpring(Part):
     type: Literal["torsional"]
     between: tuple[PointRefField, PointRefField]
     """The two points: [body.point, body.point]."""
-    stiffness: NotNegative = 0.0
-    """Stiffness [N m/rad]."""
-    damping: NotNegative = 0.0
-    """Viscous damping [N m s/rad]."""
     rest_angle: Number | None = None
     """Angle without moment [rad]; relaxed at the start when left out."""
 

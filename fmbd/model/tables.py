@@ -1,4 +1,4 @@
-"""Signals that are read from a CSV file beside the model."""
+"""Tables that are read from a CSV file beside the model."""
 
 import csv
 import io
@@ -35,42 +35,38 @@ def _to_column(value: Any) -> str | int:
 Column = Annotated[str | int, PlainValidator(_to_column, json_schema_input_type=str | int)]
 
 
-class TableEntry(Part):
-    """Values over time from a CSV file; before the first and after the last time the value stands still."""
+class TableFile(Part):
+    """Two columns of a CSV file."""
 
-    type: Literal["table"]
     file: Text
     """The file, relative to the model's folder and inside it."""
-    time: Column = 0
-    """Column of the times [s]: its header, or its number from 0."""
-    value: Column = 1
-    """Column of the values: its header, or its number from 0."""
-    interpolation: Literal["linear", "cubic"] = "linear"
-    """Between the rows."""
 
-    def read(self, context: Context) -> Table:
-        """The table; a file that cannot be read or is not a function of time is refused by file and line."""
+    def columns(
+        self, context: Context, first: str, second: str
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The columns that the keys `first` and `second` name.
+
+        A file that cannot be read, or whose first column does not increase, is refused by file and line.
+        """
         if self.file not in context.files:
             context.files[self.file] = self._text(self._locate(context.folder))
         rows = self._rows(context.files[self.file])
         if not rows:
             reject(("file",), f"{self.file}: the file is empty")
         header = [] if _is_number(rows[0][1][0]) else [name.strip() for name in rows[0][1]]
-        columns = [self._column(key, header, len(rows[0][1])) for key in ("time", "value")]
-        times: list[float] = []
+        columns = [self._column(key, header, len(rows[0][1])) for key in (first, second)]
+        increasing: list[float] = []
         values: list[float] = []
         for line, row in rows[1 if header else 0 :]:
-            time, value = (self._number(line, row, column) for column in columns)
-            if times and time <= times[-1]:
-                reject(
-                    ("file",),
-                    f"{self.file}:{line}: the time {time:g} does not increase (before: {times[-1]:g})",
-                )
-            times.append(time)
+            x, value = (self._number(line, row, column) for column in columns)
+            if increasing and x <= increasing[-1]:
+                text = f"the {first} {x:g} does not increase (before: {increasing[-1]:g})"
+                reject(("file",), f"{self.file}:{line}: {text}")
+            increasing.append(x)
             values.append(value)
-        if len(times) < 2:
-            reject(("file",), f"{self.file}: a table needs at least two rows of numbers, has {len(times)}")
-        return Table(tuple(times), tuple(values), self.interpolation)
+        if len(values) < 2:
+            reject(("file",), f"{self.file}: a table needs at least two rows of numbers, has {len(values)}")
+        return tuple(increasing), tuple(values)
 
     def _locate(self, folder: Path) -> Path:
         try:
@@ -121,6 +117,22 @@ class TableEntry(Part):
                 ("file",), f"{self.file}:{line}: '{row[column][:40]}' is not a number of at most {LARGEST:g}"
             )
         return float(row[column])
+
+
+class TableEntry(TableFile):
+    """Values over time from a CSV file; before the first and after the last time the value stands still."""
+
+    type: Literal["table"]
+    time: Column = 0
+    """Column of the times [s]: its header, or its number from 0."""
+    value: Column = 1
+    """Column of the values: its header, or its number from 0."""
+    interpolation: Literal["linear", "cubic"] = "linear"
+    """Between the rows."""
+
+    def read(self, context: Context) -> Table:
+        """The table in the file."""
+        return Table(*self.columns(context, "time", "value"), self.interpolation)
 
 
 def _is_number(text: str) -> bool:

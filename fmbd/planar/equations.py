@@ -170,9 +170,7 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
             value, _, _ = constraint(sys.constraints[c], work.lengths, work.signal)
             work.reactions[c].target = -value
             worst = max(worst, abs(value))
-        if worst <= tolerance or worst <= _ROUND_OFF * _reach(work.points):
-            break
-        if worst <= _CONTRADICTION and worst > 0.5 * before:
+        if settled(worst, before, tolerance, work.points):
             break
         if taken == 8 or not worst < 1e300:
             return -1
@@ -189,6 +187,14 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
     for k in range(n):
         v[k] += step[k]
     return taken
+
+
+@part
+def settled(worst: float, before: float, tolerance: float, points: Any) -> bool:
+    """Whether a residual of the constraints is as small as asked for, as round-off, or as contradictions let it be."""
+    if worst <= tolerance or worst <= _ROUND_OFF * _reach(points):
+        return True
+    return worst <= _CONTRADICTION and worst > 0.5 * before
 
 
 @part

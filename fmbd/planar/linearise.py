@@ -4,10 +4,10 @@ The unknown is one number x per coordinate; with three weights (bq, bv, ba) of t
     dq = bq x,    dv = bv x + v0,    dq'' = ba x + a0
 so that an acceleration asks for (0, 0, 1), statics for (1, 0, 0), an implicit step for all three. In world axes:
 
-    X = (theta, p, u, a)  of a frame: dangle = bq theta, dw = bv theta, dalpha = ba theta; d(place, velocity, acceleration)
+    X = (theta, a, p, u)  of a frame: dangle = bq theta, dw = bv theta, dalpha = ba theta; d(acceleration, place, velocity)
     y              of a row of a flexible body: R x
-    turn, lift     (p, u, a) of a station per unit of its body's theta, per unit of its row of deflection
-    swing, along   (p, u, a) of a joint's inner station per unit of theta of its axes, per unit of x along each of them
+    turn, lift     (a, p, u) of a station per unit of its body's theta, per unit of its row of deflection
+    swing, along   (a, p, u) of a joint's inner station per unit of theta of its axes, per unit of x along each of them
     H, HY          wrench that a body asks for, about its frame's origin: dW = H X + HY^T y + (g times the links' unknowns)
     PX, P          forces that it asks for on its rows: phi = PX X + P y + (share_g times the links' unknowns)
     N              R diag(1/D) R^T,   D = ba + bv d + bq (omega^2 - w^2)
@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.arrays import ALONG_X, ANGLE, DISTANCE, WORLD_X, WORLD_Y
+from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y
 from fmbd.planar.compile import inner, part, part_sums
 from fmbd.planar.equations import reaction
-from fmbd.planar.tangent_arrays import COMMAND, LEAN_FORCE, LEAN_MOMENT, MULTIPLIER, TURN
+from fmbd.planar.tangent_arrays import COMMAND, LEAN_FORCE, LEAN_MOMENT, MULTIPLIER
 
 
 @inner
@@ -72,19 +72,19 @@ def linearise(
 def turned(
     bq: Any, bv: Any, ba: Any, x: Any, y: Any, dx: Any, dy: Any, ddx: Any, ddy: Any, out: np.ndarray
 ) -> None:
-    """(p, u, a) of a motion r = (x, y) as it turns by one unit."""
-    out[0], out[1] = -bq * y, bq * x
-    out[2], out[3] = -bv * y - bq * dy, bv * x + bq * dx
-    out[4], out[5] = -ba * y - 2.0 * bv * dy - bq * ddy, ba * x + 2.0 * bv * dx + bq * ddx
+    """(a, p, u) of a motion r = (x, y) as it turns by one unit."""
+    out[0], out[1] = -ba * y - 2.0 * bv * dy - bq * ddy, ba * x + 2.0 * bv * dx + bq * ddx
+    out[2], out[3] = -bq * y, bq * x
+    out[4], out[5] = -bv * y - bq * dy, bv * x + bq * dx
 
 
 @part
 def _carried(bq: Any, bv: Any, ba: Any, x: Any, y: Any, w: Any, alpha: Any, out: np.ndarray) -> None:
-    """(p, u, a) along a direction (x, y) that turns with a frame."""
-    out[0], out[1] = bq * x, bq * y
-    out[2], out[3] = bv * x - bq * w * y, bv * y + bq * w * x
+    """(a, p, u) along a direction (x, y) that turns with a frame."""
     ahead, aside = ba - bq * w * w, 2.0 * bv * w + bq * alpha
-    out[4], out[5] = ahead * x - aside * y, ahead * y + aside * x
+    out[0], out[1] = ahead * x - aside * y, ahead * y + aside * x
+    out[2], out[3] = bq * x, bq * y
+    out[4], out[5] = bv * x - bq * w * y, bv * y + bq * w * x
 
 
 @part
@@ -153,14 +153,14 @@ def _own_inertia(
     ddy = alpha * sx - w * w * sy - 2.0 * w * flow * s + growth * c
     tb.S[0], tb.S[1], tb.S[2], tb.S[3], tb.S[4], tb.S[5] = sx, sy, dx, dy, inertia, spin
     H = tb.H
-    H[0, 5], H[1, 6], H[2, 5], H[2, 6] = b.mass, b.mass, -sy, sx
+    H[0, 1], H[1, 2], H[2, 1], H[2, 2] = b.mass, b.mass, -sy, sx
     H[0, 0] = -ba * sy - 2.0 * bv * dy - bq * ddy
     H[1, 0] = ba * sx + 2.0 * bv * dx + bq * ddx
     H[2, 0] = inertia * ba + 2.0 * bv * spin - bq * (sx * ax + sy * ay)
     if b.nf > 0:
         _carried(bq, bv, ba, -s, c, w, alpha, tb.lift)
         for r in range(place.row0, place.row0 + place.nr):
-            for j in range(7):
+            for j in range(len(tan.width)):
                 tan.PX[r, j] = 0.0
             for j in range(3):
                 tan.HY[r, j] = 0.0
@@ -168,10 +168,10 @@ def _own_inertia(
             tan.P[k] = 0.0
         r, last = place.row0, place.row0 + place.nr - 2
         lean = -bq * (c * ax + s * ay)
-        tan.HY[r, 0], tan.HY[r, 1], tan.HY[r, 2] = tb.lift[4], tb.lift[5], lean
+        tan.HY[r, 0], tan.HY[r, 1], tan.HY[r, 2] = tb.lift[0], tb.lift[1], lean
         tan.HY[r + 1, 2] = ba
         tan.HY[last, 2], tan.HY[last + 1, 2] = 2.0 * (bq * alpha + bv * w), 2.0 * bq * w
-        tan.PX[r, 0], tan.PX[r, 5], tan.PX[r, 6] = lean, -s, c
+        tan.PX[r, 0], tan.PX[r, 1], tan.PX[r, 2] = lean, -s, c
         tan.PX[r + 1, 0] = ba
         tan.PX[last, 0] = -2.0 * bv * w
 
@@ -224,9 +224,7 @@ def _sliding(b: Any, sys: Any, work: Any, tan: Any, tb: Any, bq: Any, bv: Any, b
 
 
 @part
-def _point_inertia(
-    point: Any, sys: Any, work: Any, tan: Any, places: Any, bq: Any, bv: Any, ba: Any
-) -> None:
+def _point_inertia(point: Any, sys: Any, work: Any, tan: Any, places: Any, bq: Any, bv: Any, ba: Any) -> None:
     """The part of R R^T = I that is not in eta . eta of the inertia."""
     b, f, place, H = (
         sys.bodies[point.body],
@@ -247,9 +245,7 @@ def _point_inertia(
 
 
 @part
-def _pathway_forces(
-    sys: Any, cp: Any, work: Any, tan: Any, bq: Any, bv: Any, per_z: Any, level: int
-) -> None:
+def _pathway_forces(sys: Any, cp: Any, work: Any, tan: Any, bq: Any, bv: Any, per_z: Any, level: int) -> None:
     """What acts along each pathway, and how it changes with it: in the joints, or as weights of links."""
     for p in range(sys.pathways.size):
         tan.tension[p] = 0.0
@@ -375,8 +371,12 @@ def _piece(piece: Any, weights: np.ndarray, sys: Any, work: Any, tan: Any) -> No
                 speed = nx * vx + ny * vy
                 cx, cy = (vx - speed * nx) / length, (vy - speed * ny) / length
                 ahead = nx * ax + ny * ay
-                px += d * cx + m * ((ax - ahead * nx) / length - (cx * cx + cy * cy) * nx - 2.0 * speed / length * cx)
-                py += d * cy + m * ((ay - ahead * ny) / length - (cx * cx + cy * cy) * ny - 2.0 * speed / length * cy)
+                px += d * cx + m * (
+                    (ax - ahead * nx) / length - (cx * cx + cy * cy) * nx - 2.0 * speed / length * cx
+                )
+                py += d * cy + m * (
+                    (ay - ahead * ny) / length - (cx * cx + cy * cy) * ny - 2.0 * speed / length * cy
+                )
                 ux += 2.0 * m * cx
                 uy += 2.0 * m * cy
         else:
@@ -439,12 +439,12 @@ def _add_turn(tan: Any, end: int, by_q: Any, by_v: Any, by_a: Any) -> None:
 def _add_row(tan: Any, end: int, px: Any, py: Any, ux: Any, uy: Any, ax: Any, ay: Any) -> None:
     if end >= 0:
         row = tan.rows[end]
-        row[3] += px
-        row[4] += py
-        row[5] += ux
-        row[6] += uy
-        row[7] += ax
-        row[8] += ay
+        row[3] += ax
+        row[4] += ay
+        row[5] += px
+        row[6] += py
+        row[7] += ux
+        row[8] += uy
 
 
 @part

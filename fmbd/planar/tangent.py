@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled, inner, part, part_sums
+from fmbd.planar.compile import compiled, inner, part
 from fmbd.planar.linearise import hold_force, linearise
 from fmbd.planar.tangent_solve import back_substitute, give_states, put_back_states
 
@@ -55,7 +55,16 @@ def factor(
         if b.parent >= 0:
             parent = sys.bodies[b.parent]
             _load_parent(
-                b, tb, parent, work.frames[b.parent], tan.bodies[b.parent], sys.stations[b.outer], cp, tan, bq, place
+                b,
+                tb,
+                parent,
+                work.frames[b.parent],
+                tan.bodies[b.parent],
+                sys.stations[b.outer],
+                cp,
+                tan,
+                bq,
+                place,
             )
             up = cp.places[b.parent]
             _hand_down(place, cp, tan, up.slot0, up.nslot, up.block0)
@@ -74,7 +83,7 @@ def _clear_shares(cp: Any, tan: Any) -> None:
         s = tan.shares[k]
         for j in range(3):
             s.g[j] = 0.0
-        for j in range(7):
+        for j in range(len(tan.width)):
             s.h[j] = 0.0
     for k in range(tan.block.size):
         tan.block[k] = 0.0
@@ -92,9 +101,7 @@ def _clear_shares(cp: Any, tan: Any) -> None:
 
 
 @part
-def _take_end(
-    end: Any, e: int, sys: Any, cp: Any, work: Any, tan: Any, bq: Any, bv: Any, ba: Any
-) -> None:
+def _take_end(end: Any, e: int, sys: Any, cp: Any, work: Any, tan: Any, bq: Any, bv: Any, ba: Any) -> None:
     """A link's wrench on a station, its row there, and the arm of the force that it carries."""
     station = sys.stations[end.station]
     b, place, link = sys.bodies[station.body], cp.places[station.body], cp.links[end.link]
@@ -112,13 +119,13 @@ def _take_end(
     s.g[2] -= r[0] * fy - r[1] * fx + moment
     theta = bq * row[0] + bv * row[1] + ba * row[2]
     swept = theta
-    for j in range(6):
+    for j in range(len(tan.width) - 1):
         s.h[1 + j] += row[3 + j]
         swept += row[3 + j] * turn[j]
     s.h[0] += swept
     if station.row_w >= 0:
         tan.share_g[row0 + station.row_w] -= f.c * fy - f.s * fx
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             tan.share_h[row0 + station.row_w] += row[3 + j] * tb.lift[j]
     if station.row_s >= 0:
         tan.share_g[row0 + station.row_s] -= moment
@@ -137,7 +144,7 @@ def _shift_to_joint(b: Any, f: Any, station: Any, tb: Any, place: Any, tan: Any,
     fx, fy = tb.force[0], tb.force[1]
     moving = b.nf > 0 and (station.row_w >= 0 or station.row_s >= 0)
     x, y = r[0], r[1]
-    for j in range(7):
+    for j in range(len(tan.width)):
         H[2, j] -= x * H[1, j] - y * H[0, j]
     H[2, 0] += bq * (x * fx + y * fy)
     for k in range(place.row0, place.row0 + place.nr):
@@ -160,36 +167,36 @@ def _shift_to_joint(b: Any, f: Any, station: Any, tb: Any, place: Any, tan: Any,
     back = H[0, 0] * 0.0
     for i in range(3):
         back = H[i, 0]
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             back -= H[i, 1 + j] * turn[j]
         H[i, 0] = back
         if station.row_s >= 0:
             tan.HY[turning, i] -= back
         if station.row_w >= 0:
-            for j in range(6):
+            for j in range(len(tan.width) - 1):
                 tan.HY[w, i] -= H[i, 1 + j] * tb.lift[j]
     for k in range(place.nr):
         row = tan.PX[place.row0 + k]
         back = row[0]
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             back -= row[1 + j] * turn[j]
         row[0] = back
         if station.row_s >= 0:
             tan.P[place.matrix0 + k * place.nr + station.row_s - b.row0] -= back
         if station.row_w >= 0:
-            for j in range(6):
+            for j in range(len(tan.width) - 1):
                 tan.P[place.matrix0 + k * place.nr + station.row_w - b.row0] -= row[1 + j] * tb.lift[j]
     for k in range(place.slot0, place.slot0 + place.nslot):
         s = tan.shares[k]
         back = s.h[0]
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             back -= s.h[1 + j] * turn[j]
         s.h[0] = back
         row0 = tan.share_row0[k]
         if station.row_s >= 0:
             tan.share_h[row0 + station.row_s - b.row0] -= back
         if station.row_w >= 0:
-            for j in range(6):
+            for j in range(len(tan.width) - 1):
                 tan.share_h[row0 + station.row_w - b.row0] -= s.h[1 + j] * tb.lift[j]
 
 
@@ -197,7 +204,7 @@ def _shift_to_joint(b: Any, f: Any, station: Any, tb: Any, place: Any, tan: Any,
 def _give_rows(row: int, turn: int, ex: float, ey: float, H: Any, place: Any, tan: Any) -> None:
     """Forces on one of the rows that hold the body, by its joint's wrench: along (ex, ey), or (turn) its moment."""
     at = place.matrix0 + (row - place.row0) * place.nr
-    for j in range(7):
+    for j in range(len(tan.width)):
         tan.PX[row, j] -= H[2, j] if turn == 1 else ex * H[0, j] + ey * H[1, j]
     for k in range(place.nr):
         HY = tan.HY[place.row0 + k]
@@ -219,10 +226,10 @@ def _eliminate_rows(b: Any, tb: Any, place: Any, tan: Any) -> bool:
         for k in range(n):
             for j in range(n):
                 A[at + i * n + j] += N[at + i * n + k] * P[at + k * n + j]
-        for j in range(7):
+        for j in range(len(tan.width)):
             tan.YX[place.row0 + i, j] = 0.0
         for k in range(n):
-            for j in range(7):
+            for j in range(len(tan.width)):
                 tan.YX[place.row0 + i, j] -= N[at + i * n + k] * tan.PX[place.row0 + k, j]
         for m in range(place.nslot):
             row0 = tan.share_row0[place.slot0 + m]
@@ -242,7 +249,7 @@ def _eliminate_rows(b: Any, tb: Any, place: Any, tan: Any) -> bool:
                 continue
             for j in range(k + 1, n):
                 A[at + i * n + j] -= ratio * A[at + k * n + j]
-            for j in range(7):
+            for j in range(len(tan.width)):
                 tan.YX[place.row0 + i, j] -= ratio * tan.YX[place.row0 + k, j]
             for m in range(place.nslot):
                 row0 = tan.share_row0[place.slot0 + m]
@@ -252,26 +259,26 @@ def _eliminate_rows(b: Any, tb: Any, place: Any, tan: Any) -> bool:
             ratio = A[at + i * n + k]
             if ratio == 0.0:
                 continue
-            for j in range(7):
+            for j in range(len(tan.width)):
                 tan.YX[place.row0 + i, j] -= ratio * tan.YX[place.row0 + k, j]
             for m in range(place.nslot):
                 row0 = tan.share_row0[place.slot0 + m]
                 tan.share_y[row0 + i] -= ratio * tan.share_y[row0 + k]
         pivot = A[at + i * n + i]
-        for j in range(7):
+        for j in range(len(tan.width)):
             tan.YX[place.row0 + i, j] /= pivot
         for m in range(place.nslot):
             tan.share_y[tan.share_row0[place.slot0 + m] + i] /= pivot
     for k in range(n):
         for i in range(3):
-            for j in range(7):
+            for j in range(len(tan.width)):
                 tb.H[i, j] += tan.HY[place.row0 + k, i] * tan.YX[place.row0 + k, j]
     for m in range(place.nslot):
         s, row0 = tan.shares[place.slot0 + m], tan.share_row0[place.slot0 + m]
         for k in range(n):
             for i in range(3):
                 s.g[i] += tan.HY[place.row0 + k, i] * tan.share_y[row0 + k]
-            for j in range(7):
+            for j in range(len(tan.width)):
                 s.h[j] += tan.share_h[row0 + k] * tan.YX[place.row0 + k, j]
         for j in range(place.nslot):
             other = tan.share_row0[place.slot0 + j]
@@ -297,7 +304,7 @@ def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed
         if on_body:
             for i in range(3):
                 ratio = s.g[i] * s.per_D
-                for j in range(7):
+                for j in range(len(tan.width)):
                     tb.H[i, j] -= ratio * s.h[j]
         for m in range(c + 1, n):
             t = tan.shares[slot0 + m]
@@ -310,7 +317,7 @@ def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed
             if ratio == 0.0:
                 continue
             if on_body:
-                for j in range(7):
+                for j in range(len(tan.width)):
                     t.h[j] -= ratio * s.h[j]
             for j in range(c + 1, n):
                 block[block0 + m * n + j] -= ratio * block[row + j]
@@ -329,7 +336,7 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
             if not abs(pivot) > 0.0:
                 return False
             tb.per_D[2] = 1.0 / pivot
-            for j in range(7):
+            for j in range(len(tan.width)):
                 U[2, j] = b.sign * H[2, j]
             for i in range(3):
                 tb.ratio[2, i] = b.sign * H[i, 0] * tb.per_D[2]
@@ -348,34 +355,34 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
     # columns of the wrench at the inner station per unit of each coordinate, in tb.ratio for a while
     for i in range(3):
         swung = H[i, 0] * 0.0
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             swung += H[i, 1 + j] * tb.swing[j]
         for d in range(2):
             tb.ratio[d, i] = H[i, 0] * 0.0
-            for j in range(6):
+            for j in range(len(tan.width) - 1):
                 tb.ratio[d, i] += H[i, 1 + j] * tb.along[d, j]
         tb.ratio[2, i] = b.sign * (H[i, 0] + swung) if reverse else b.sign * H[i, 0]
         H[i, 0] += swung
     for k in range(first, last):
         s = tan.shares[k]
         swung = s.h[0] * 0.0
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             swung += s.h[1 + j] * tb.swing[j]
         for d in range(2):
             s.row[d] = s.h[0] * 0.0
-            for j in range(6):
+            for j in range(len(tan.width) - 1):
                 s.row[d] += s.h[1 + j] * tb.along[d, j]
         s.row[2] = b.sign * (s.h[0] + swung) if reverse else b.sign * s.h[0]
         s.h[0] += swung
     # rows of the coordinates: the angle of a joint whose axes stay behind, before the moment moves
     if not reverse:
-        for j in range(7):
+        for j in range(len(tan.width)):
             U[2, j] = H[2, j]
         for d in range(3):
             V[2, d] = tb.ratio[d, 2]
         for k in range(first, last):
             tan.shares[k].column[2] = tan.shares[k].g[2]
-    for j in range(7):
+    for j in range(len(tan.width)):
         H[2, j] += x * H[1, j] - y * H[0, j]
     H[2, 0] += lean
     for d in range(3):
@@ -389,7 +396,7 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
         px, py = b.sign * (f.jc if d == 0 else -f.js), b.sign * (f.js if d == 0 else f.jc)
         tb.ratio[d, 2] += bq * (px * fy - py * fx)
         turn = bq * (px * fy - py * fx)
-        for j in range(7):
+        for j in range(len(tan.width)):
             U[d, j] = px * H[0, j] + py * H[1, j]
         U[d, 0] += turn
         for j in range(3):
@@ -400,7 +407,7 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
             s = tan.shares[k]
             s.column[d] = px * s.g[0] + py * s.g[1]
     if reverse:
-        for j in range(7):
+        for j in range(len(tan.width)):
             U[2, j] = -H[2, j]
         for d in range(3):
             V[2, d] = -tb.ratio[d, 2]
@@ -422,7 +429,7 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
                 continue
             share = V[e, d] * tb.per_D[d]
             tb.Q[d, e] = share
-            for j in range(7):
+            for j in range(len(tan.width)):
                 U[e, j] -= share * U[d, j]
             for j in range(d + 1, 3):
                 V[e, j] -= share * V[d, j]
@@ -440,13 +447,13 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
 def _deflate(d: int, tb: Any, place: Any, tan: Any) -> None:
     """Subtract the row of coordinate d from the wrench and from the links."""
     for i in range(3):
-        for j in range(7):
+        for j in range(len(tan.width)):
             tb.H[i, j] -= tb.ratio[d, i] * tb.U[d, j]
     for m in range(place.closed, place.nslot):
         s = tan.shares[place.slot0 + m]
         for i in range(3):
             s.g[i] -= tb.ratio[d, i] * s.column[d]
-        for j in range(7):
+        for j in range(len(tan.width)):
             s.h[j] -= s.row[d] * tb.U[d, j]
         at = place.block0 + m * place.nslot
         for j in range(place.closed, place.nslot):
@@ -467,7 +474,7 @@ def _load_parent(
     at_w = up.matrix0 + (station.row_w - parent.row0) * up.nr
     at_s = up.matrix0 + (station.row_s - parent.row0) * up.nr
     wi, si = station.row_w - parent.row0, station.row_s - parent.row0
-    for j in range(7):
+    for j in range(len(tan.width)):
         lateral = f.c * H[1, j] - f.s * H[0, j]
         if station.row_w >= 0:
             tan.PX[w, j] += lateral
@@ -478,7 +485,7 @@ def _load_parent(
         tp.H[2, j] += H[2, j] + x * H[1, j] - y * H[0, j]
     swept0, swept1, swept2 = H[0, 0] * 0.0, H[0, 0] * 0.0, H[0, 0] * 0.0
     lifted0, lifted1, lifted2 = H[0, 0] * 0.0, H[0, 0] * 0.0, H[0, 0] * 0.0
-    for j in range(6):
+    for j in range(len(tan.width) - 1):
         swept0 += H[0, 1 + j] * turn[j]
         swept1 += H[1, 1 + j] * turn[j]
         swept2 += H[2, 1 + j] * turn[j]
@@ -486,7 +493,7 @@ def _load_parent(
     tp.H[1, 0] += swept1
     tp.H[2, 0] += swept2 + x * swept1 - y * swept0 - bq * (x * fx + y * fy)
     if station.row_w >= 0:
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             lifted0 += H[0, 1 + j] * tp.lift[j]
             lifted1 += H[1, 1 + j] * tp.lift[j]
             lifted2 += H[2, 1 + j] * tp.lift[j]
@@ -512,13 +519,13 @@ def _load_parent(
         t.g[1] += s.g[1]
         t.g[2] += s.g[2] + x * s.g[1] - y * s.g[0]
         swept = s.h[0]
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             t.h[1 + j] += s.h[1 + j]
             swept += s.h[1 + j] * turn[j]
         t.h[0] += swept
         if station.row_w >= 0:
             tan.share_g[row0 + wi] += f.c * s.g[1] - f.s * s.g[0]
-            for j in range(6):
+            for j in range(len(tan.width) - 1):
                 tan.share_h[row0 + wi] += s.h[1 + j] * tp.lift[j]
         if station.row_s >= 0:
             tan.share_g[row0 + si] += s.g[2]

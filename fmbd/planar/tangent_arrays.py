@@ -42,6 +42,7 @@ class Couplings(NamedTuple):
     command_link: np.ndarray  # of motors, -1: none
     ground_share0: int
     ground_block0: int
+    narrow: bool  # no link depends on places and velocities, constraints taken by their second derivatives
 
 
 def body_type(scalar: str) -> np.dtype:
@@ -84,6 +85,9 @@ def share_type(scalar: str) -> np.dtype:
 class Tangent(NamedTuple):
     """The linearised equations, factored, and scratch for right-hand sides; all of one scalar type."""
 
+    width: tuple[
+        int, ...
+    ]  # as long as X has columns that count, which compiles them: 7, or 3 if no link needs p and u
     bodies: Any
     relative: np.ndarray  # (stations, 6): r, r', r'' from the frame of its body
     turn: np.ndarray  # (stations, 6): how a station moves as its body turns
@@ -109,7 +113,7 @@ class Tangent(NamedTuple):
     scale: np.ndarray  # of links: what a unit would do to a free body
     tension: np.ndarray  # of pathways
     columns: np.ndarray  # (ends, 3)
-    rows: np.ndarray  # (ends, 9): of theta (by l, l', l''), p, u, a
+    rows: np.ndarray  # (ends, 9): of theta (by l, l', l''), a, p, u
     shares: Any
     share_row0: np.ndarray  # of shares: where their rows begin in the next three
     share_g: np.ndarray
@@ -117,11 +121,16 @@ class Tangent(NamedTuple):
     share_y: np.ndarray
     block: np.ndarray
     effort: np.ndarray  # (motors, 3): per unit of input, of the rates of current and integral
-    gains: np.ndarray  # (motors, 4): input per unit of l, l' measured, of the integral's rate; 1 if it integrates
+    gains: (
+        np.ndarray
+    )  # (motors, 4): input per unit of l, l' measured, of the integral's rate; 1 if it integrates
 
 
-def allocate_tangent(system: Any, couplings: Couplings, scalar: str = "f8") -> Tangent:
-    """Arrays of the linearised equations of `system` (a Planar); scalar "c16": at complex weights."""
+def allocate_tangent(system: Any, couplings: Couplings, level: int = 2, scalar: str = "f8") -> Tangent:
+    """Arrays of the linearised equations of `system` (a Planar).
+
+    level: 0, 1, 2 for constraints by their place, rate or second derivative; scalar "c16": at complex weights.
+    """
     places, links = couplings.places, couplings.links
     rows = int(places["nr"].sum())
     squares = int((places["nr"] ** 2).sum())
@@ -132,6 +141,7 @@ def allocate_tangent(system: Any, couplings: Couplings, scalar: str = "f8") -> T
         return np.zeros(shape, scalar)
 
     return Tangent(
+        width=(0,) * (3 if level == 2 and couplings.narrow else 7),
         bodies=np.zeros(places.size, body_type(scalar)).view(np.recarray),
         relative=np.zeros((system.stations.size, 6)),
         turn=zeros(system.stations.size, 6),

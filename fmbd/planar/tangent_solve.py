@@ -1,8 +1,8 @@
 """Right-hand sides of the factored linearised equations (tangent.py), swept outwards, inwards, and outwards again.
 
-    X0 = (w0, alpha0, u0, a0)   what the given parts v0, a0 of dv and dq'' add to the motion of a frame; rate0, acc0 of rows
-    W, phi                      wrench and row forces that they ask for
-    y0, rhs                     rows of a body, coordinates and links, before their own unknowns are put in
+X0 = (w0, alpha0, u0, a0)   what the given parts v0, a0 of dv and dq'' add to the motion of a frame; rate0, acc0 of rows
+W, phi                      wrench and row forces that they ask for
+y0, rhs                     rows of a body, coordinates and links, before their own unknowns are put in
 """
 
 from typing import Any
@@ -101,7 +101,9 @@ def _given_rows(
 
 
 @part
-def _through(station: Any, shift: int, f: Any, at: np.ndarray, tan: Any, X0: np.ndarray, sign: float, out: Any) -> None:
+def _through(
+    station: Any, shift: int, f: Any, at: np.ndarray, tan: Any, X0: np.ndarray, sign: float, out: Any
+) -> None:
     """Motion given to a station from that of its body's frame (sign +1), or back (-1); angles apart."""
     w0, alpha0 = X0[0], X0[1]
     ux, uy = -w0 * at[1], w0 * at[0]
@@ -209,7 +211,7 @@ def _given_end(end: Any, e: int, sys: Any, f: Any, tb: Any, place: Any, tan: Any
     if station.row_s >= 0:
         w0 += tan.rate0[shift + station.row_s]
         alpha0 += tan.acc0[shift + station.row_s]
-    value = row[1] * w0 + row[2] * alpha0 + row[5] * ux + row[6] * uy + row[7] * ax + row[8] * ay
+    value = row[1] * w0 + row[2] * alpha0 + row[3] * ax + row[4] * ay + row[7] * ux + row[8] * uy
     tan.rhs[end.link] -= value
 
 
@@ -296,7 +298,7 @@ def _open(X: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: 
         s, link = tan.shares[slot0 + c], cp.shares[slot0 + c].link
         value = tan.rhs[link]
         if on_body:
-            for j in range(7):
+            for j in range(len(tan.width)):
                 value -= s.h[j] * X[j]
         for m in range(c + 1, n):
             value -= tan.block[block0 + c * n + m] * tan.unknown[cp.shares[slot0 + m].link]
@@ -307,16 +309,16 @@ def _open(X: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: 
 def _outer_motion(b: Any, sys: Any, cp: Any, tan: Any, X: Any) -> None:
     """X of the station that carries a body."""
     if b.parent < 0:
-        for j in range(7):
+        for j in range(len(tan.width)):
             X[j] = 0.0
         return
     tp, station = tan.bodies[b.parent], sys.stations[b.outer]
     shift = cp.places[b.parent].row0 - sys.bodies[b.parent].row0
     X[0] = tp.X[0]
-    for j in range(6):
+    for j in range(len(tan.width) - 1):
         X[1 + j] = tp.X[1 + j] + tp.X[0] * tan.turn[b.outer, j]
     if station.row_w >= 0:
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             X[1 + j] += tp.lift[j] * tan.y[shift + station.row_w]
     if station.row_s >= 0:
         X[0] += tan.y[shift + station.row_s]
@@ -330,7 +332,7 @@ def _put_back_joint(b: Any, tb: Any, place: Any, cp: Any, tan: Any, X: Any, x: n
         if b.coordinate[d] < 0:
             continue
         value = tb.rhs[d]
-        for j in range(1, 7):
+        for j in range(1, len(tan.width)):
             value -= tb.U[d, j] * X[j]
         value -= tb.U[d, 0] * theta
         if b.sliding == 1:
@@ -344,23 +346,21 @@ def _put_back_joint(b: Any, tb: Any, place: Any, cp: Any, tan: Any, X: Any, x: n
         X[0] += b.sign * x[b.coordinate[2]]
     if b.sliding == 1:
         swung = theta if b.sign > 0.0 else X[0]
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             X[1 + j] += swung * tb.swing[j]
         for d in range(2):
             if b.coordinate[d] >= 0:
-                for j in range(6):
+                for j in range(len(tan.width) - 1):
                     X[1 + j] += x[b.coordinate[d]] * tb.along[d, j]
 
 
 @part_sums
-def _put_back_rows(
-    b: Any, R: np.ndarray, place: Any, cp: Any, tan: Any, X: Any, x: np.ndarray
-) -> None:
+def _put_back_rows(b: Any, R: np.ndarray, place: Any, cp: Any, tan: Any, X: Any, x: np.ndarray) -> None:
     """Rows and modes of a flexible body."""
     n, at = place.nr, place.matrix0
     for i in range(n):
         value = tan.y0[place.row0 + i]
-        for j in range(7):
+        for j in range(len(tan.width)):
             value += tan.YX[place.row0 + i, j] * X[j]
         tan.y[place.row0 + i] = value
     for m in range(place.slot0, place.slot0 + place.nslot):
@@ -370,7 +370,7 @@ def _put_back_rows(
             tan.phi[place.row0 + i] += tan.share_g[row0 + i] * unknown
     for i in range(n):
         value = tan.phi[place.row0 + i]
-        for j in range(7):
+        for j in range(len(tan.width)):
             value += tan.PX[place.row0 + i, j] * X[j]
         for k in range(n):
             value += tan.P[at + i * n + k] * tan.y[place.row0 + k]
@@ -392,10 +392,10 @@ def _inner_to_frame(b: Any, station: Any, tb: Any, place: Any, tan: Any, X: Any)
     shift = place.row0 - b.row0
     if station.row_s >= 0:
         X[0] -= tan.y[shift + station.row_s]
-    for j in range(6):
+    for j in range(len(tan.width) - 1):
         X[1 + j] -= X[0] * tan.turn[b.inner, j]
     if station.row_w >= 0:
-        for j in range(6):
+        for j in range(len(tan.width) - 1):
             X[1 + j] -= tb.lift[j] * tan.y[shift + station.row_w]
 
 
@@ -510,14 +510,14 @@ def _station_variation(
     shift = cp.places[station.body].row0 - b.row0
     X, X0, turn, at = tb.X, tb.X0, tan.turn[k], tan.relative[k]
     theta, w0 = X[0], X0[0]
-    px, py = X[1] + theta * turn[0], X[2] + theta * turn[1]
-    ux, uy = X[3] + theta * turn[2] + X0[2] - w0 * at[1], X[4] + theta * turn[3] + X0[3] + w0 * at[0]
+    px, py = X[3] + theta * turn[2], X[4] + theta * turn[3]
+    ux, uy = X[5] + theta * turn[4] + X0[2] - w0 * at[1], X[6] + theta * turn[5] + X0[3] + w0 * at[0]
     if station.row_w >= 0:
         y, rate = tan.y[shift + station.row_w], tan.rate0[shift + station.row_w]
-        px += tb.lift[0] * y
-        py += tb.lift[1] * y
-        ux += tb.lift[2] * y - f.s * rate
-        uy += tb.lift[3] * y + f.c * rate
+        px += tb.lift[2] * y
+        py += tb.lift[3] * y
+        ux += tb.lift[4] * y - f.s * rate
+        uy += tb.lift[5] * y + f.c * rate
     if station.row_s >= 0:
         theta += tan.y[shift + station.row_s]
         w0 += tan.rate0[shift + station.row_s]

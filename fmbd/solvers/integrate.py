@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fmbd.solvers.explicit import advance
+from fmbd.solvers.methods import Stepper, start_method
 from fmbd.solvers.samples import sample
 from fmbd.solvers.steps import (
     ACCEPTED,
     BODY,
     EVALUATIONS,
+    FACTORISATIONS,
     NO_INERTIA,
     NOT_A_NUMBER,
     NOW,
@@ -25,9 +26,7 @@ from fmbd.solvers.steps import (
     RUNNING,
     Memory,
     Options,
-    memory,
 )
-from fmbd.solvers.tableau import Tableau
 from fmbd.system import System
 
 Array = np.ndarray
@@ -62,14 +61,19 @@ class Statistics:
     rejected_steps: int = 0
     evaluations: int = 0
     projections: int = 0
+    factorisations: int = 0
+    choice: str = ""  #: what `auto` picked, and why
     time_reached: float = 0.0
     reason: str = ""
     warnings: list[str] = field(default_factory=list)
 
-    def update(self, mem: Memory) -> None:
+    def update(self, stepper: Stepper) -> None:
         """Copy the counters of the compiled loop."""
+        mem = stepper.mem
         self.steps, self.rejected_steps = int(mem.counters[ACCEPTED]), int(mem.counters[REJECTED])
         self.evaluations, self.projections = int(mem.counters[EVALUATIONS]), int(mem.counters[PROJECTIONS])
+        self.factorisations = int(mem.counters[FACTORISATIONS])
+        self.choice = stepper.choice()
         self.time_reached = float(mem.clock[NOW])
 
 
@@ -81,21 +85,6 @@ def output_times(duration: float, interval: float) -> Array:
         return np.append(times, duration)
     times[-1] = duration
     return times
-
-
-def method(name: str) -> Tableau:
-    """The tableau behind a method's name."""
-    if name == "dop853":
-        from fmbd.solvers.dop853 import DOP853
-
-        return DOP853
-    if name == "rk45":
-        from fmbd.solvers.rk45 import RK45
-
-        return RK45
-    from fmbd.solvers.baumgarte import BAUMGARTE
-
-    return BAUMGARTE
 
 
 def integrate(
@@ -111,14 +100,13 @@ def integrate(
     a `statistics.reason` itself.
     """
     simulation = system.model.simulation
-    tableau = method(simulation.method)
-    planar, work = system.planar, system.work
     start = system.start
     y0 = np.concatenate([system.to_modal(start.q), system.to_modal(start.v), start.z, [0.0, 0.0]])
-    mem = memory(y0, planar.nq, tableau.c.size, 3 + tableau.d.shape[0])
     options = solver_options(system)
     end = float(times[-1])
     breaks = np.append(system.lowered.signals.breakpoints(end), end)
+    stepper = start_method(simulation.method, system, y0, breaks, options)
+    mem = stepper.mem
     initial_energy: float | None = None
     first = 0
     while first < times.size:
@@ -130,11 +118,9 @@ def integrate(
             # a run that is ended from outside still writes the output times that it has passed
             ended = bool(statistics.reason)
             attempts = 0 if ended else ATTEMPTS
-            done, status = advance(
-                planar, work, tableau, mem, breaks, options, chunk[filled:], out[filled:], attempts
-            )
+            done, status = stepper.advance(chunk[filled:], out[filled:], attempts)
             filled += done
-            statistics.update(mem)
+            statistics.update(stepper)
             if on_progress is not None:
                 on_progress(statistics.time_reached)
             if filled and clock.perf_counter() - since > PATIENCE:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, Planar
+from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar
 from fmbd.planar.arrays import records as make
 from fmbd.planar.tangent_arrays import (
     COMMAND,
@@ -183,4 +183,9 @@ def _place(
         command_link,
         shares.ground,
         shares.ground_block0,
+        all(
+            terms[j].kind == ANGLE or (kind == MULTIPLIER and terms[j].kind in (WORLD_X, WORLD_Y))
+            for kind, _, pieces in links
+            for j, _ in pieces
+        ),
     )

@@ -1,0 +1,117 @@
+"""The method that suits the moment: `dop853` or `rodas5p`, whichever covers more time with the same work. The default.
+
+Which one that is depends on the model, the tolerance and what is ringing, so it is tried: the explicit method begins,
+in a long run the implicit one gets a trial, the better goes on, and the other is tried again now and then. Work is
+counted in evaluations of the equations, not in seconds, so that the same model always takes the same steps.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fmbd.solvers.methods import Stepper, start_method
+from fmbd.solvers.steps import (
+    ACCEPTED,
+    EVALUATIONS,
+    FACTORISATIONS,
+    FRESH,
+    NOW,
+    PROJECTIONS,
+    REJECTED,
+    RUNNING,
+    Memory,
+    Options,
+)
+from fmbd.system import System
+
+Array = np.ndarray
+
+EXPLICIT, IMPLICIT = "dop853", "rodas5p"
+#: Tried steps of a trial; after how many such spells the other method gets one again, at first and at most.
+SPELL = 100
+PATIENCE = (4, 64)
+#: A factorisation with its eight back-substitutions, in evaluations.
+FACTORISATION = 12
+#: A run of fewer steps to come is over before a trial pays (the trial may have to compile the method).
+LONG = 5000
+#: Below this relative tolerance a method of order 5 has no chance.
+TIGHT = 1e-9
+
+
+@dataclass
+class _Choice:
+    """Which method is at work, and what is known of both."""
+
+    current: str
+    end: float
+    spells: int = 0
+    patience: int = PATIENCE[0]
+    time: float = 0.0
+    work: float = 0.0
+    steps: int = 0
+    price: dict[str, float] = field(default_factory=dict)  # work per second of simulated time, as last seen
+    covered: dict[str, float] = field(default_factory=dict)  # time that each method went through
+
+    def next(self, mem: Memory) -> str:
+        """The method of the next spell, from what the last one cost."""
+        count, now, current = mem.counters, float(mem.clock[NOW]), self.current
+        work = float(count[EVALUATIONS] + 2 * count[PROJECTIONS] + FACTORISATION * count[FACTORISATIONS])
+        steps = int(count[ACCEPTED])
+        covered, spent, taken = now - self.time, work - self.work, steps - self.steps
+        self.time, self.work, self.steps = now, work, steps
+        if covered <= 0.0 or spent <= 0.0:
+            return current
+        self.covered[current] = self.covered.get(current, 0.0) + covered
+        self.price[current] = spent / covered
+        self.spells += 1
+        other = IMPLICIT if current == EXPLICIT else EXPLICIT
+        if other in self.price and self.price[other] < 0.8 * self.price[current]:
+            if self.spells == 1:
+                # a trial has failed: leave the other one in peace for longer
+                self.patience = min(2 * self.patience, PATIENCE[1])
+            self.spells = 0
+            return other
+        long = (self.end - now) * taken > LONG * covered
+        if current == EXPLICIT and long and (other not in self.price or self.spells >= self.patience):
+            self.spells = 0
+            return other
+        return current
+
+    def describe(self, now: float) -> str:
+        """What was picked, and why."""
+        if not self.price.get(IMPLICIT):
+            return EXPLICIT
+        shares = self.covered | {self.current: self.covered.get(self.current, 0.0) + now - self.time}
+        most = max(shares, key=lambda name: shares[name])
+        less = IMPLICIT if most == EXPLICIT else EXPLICIT
+        ratio = self.price[less] / self.price[most]
+        return f"{most} for {shares[most] / now:.0%} of the time ({less}: {ratio:.2g} times the work)"
+
+
+def start_auto(system: System, y0: Array, breaks: Array, options: Options) -> Stepper:
+    """See the module."""
+    first = start_method(EXPLICIT, system, y0, breaks, options)
+    mem = first.mem
+    choice = _Choice(EXPLICIT, float(breaks[-1]))
+    steppers = {EXPLICIT: first}
+
+    def tried() -> int:
+        return int(mem.counters[ACCEPTED] + mem.counters[REJECTED])
+
+    def step(times: Array, out: Array, attempts: int) -> tuple[int, int]:
+        filled, last = 0, tried() + attempts
+        while True:
+            spell = min(SPELL, last - tried())
+            done, status = steppers[choice.current].advance(times[filled:], out[filled:], spell)
+            filled += done
+            # between two spells all output times that were passed are written
+            if status != RUNNING or filled == times.size or tried() >= last:
+                return filled, status
+            chosen = choice.next(mem) if options.rtol >= TIGHT else EXPLICIT
+            if chosen != choice.current:
+                if chosen not in steppers:
+                    steppers[chosen] = start_method(chosen, system, y0, breaks, options, mem)
+                choice.current = chosen
+                mem.counters[FRESH] = 1
+
+    return Stepper(mem, step, lambda: choice.describe(max(float(mem.clock[NOW]), 1e-300)))
