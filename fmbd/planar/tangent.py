@@ -2,8 +2,8 @@
 
     dID(x; v0, a0) = r      the variation of the equations of motion, one number per coordinate
 Elimination towards the ground, body by body, as in recursion.py: the rows of a flexible body, the links that close
-at it, its joint's coordinates. Nothing is symmetric here: what a body asks for depends on its motion by (theta, p, u, a),
-what it is given is a wrench. Symbols as in linearise.py, and
+at it, its joint's coordinates. Nothing is symmetric here: what a body asks for depends on its motion X, what it is
+given is a wrench. Symbols as in linearise.py, and
     A, YX, share_y   y = A^-1 (y0 - N phi0) + YX X + share_y . unknown,   A = I + N P
     U, V             row of a joint's coordinate after elimination: of X, of its other coordinates
     Q, ratio         what eliminating it subtracts from the joint's other rows and from the wrench
@@ -46,9 +46,8 @@ def factor(
         for e in range(place.end0, place.end0 + place.nend):
             _take_end(cp.ends[e], e, sys, cp, work, tan, bq, bv, ba)
         _shift_to_joint(b, f, sys.stations[b.inner], tb, place, tan, bq)
-        if b.nf > 0:
-            if not _eliminate_rows(b, tb, place, tan):
-                return i
+        if b.nf > 0 and not _eliminate_rows(b, tb, place, tan):
+            return i
         _close(tb, True, cp, tan, place.slot0, place.nslot, place.closed, place.block0)
         if not _eliminate_joint(b, f, tb, place, tan, bq):
             return i
@@ -104,7 +103,7 @@ def _clear_shares(cp: Any, tan: Any) -> None:
 def _take_end(end: Any, e: int, sys: Any, cp: Any, work: Any, tan: Any, bq: Any, bv: Any, ba: Any) -> None:
     """A link's wrench on a station, its row there, and the arm of the force that it carries."""
     station = sys.stations[end.station]
-    b, place, link = sys.bodies[station.body], cp.places[station.body], cp.links[end.link]
+    b, link = sys.bodies[station.body], cp.links[end.link]
     f, tb, r, turn = (
         work.frames[station.body],
         tan.bodies[station.body],

@@ -1,10 +1,10 @@
 """Arrays of the linearised equations: constant records that say what couples with what, and scratch beside them.
 
-A link is one more scalar unknown beside the coordinates: the variation of a multiplier, of the force along a pathway, of
-a motor's effort, or of the change of direction of a force. Its column is a wrench on the stations that it
-touches (its ends), its row a combination of the variations of their motion. As the slots of planar.arrays, it is
-alive in the bodies between those that it touches and the one where it closes. A pathway that is a coordinate of a
-joint of the tree needs no link: it adds to the diagonal (LOCAL).
+A link is one more scalar unknown beside the coordinates: the variation of a multiplier, of the force along a pathway,
+of a motor's effort, or of the direction of a force. Its column is a wrench on the stations that it touches (its ends),
+its row a combination of the variations of their motion. As the slots of planar.arrays, it is alive in the bodies
+between those that it touches and the one where it closes. A pathway that is a coordinate of a joint of the tree needs
+no link: it adds to the diagonal (LOCAL).
 """
 
 from typing import Any, NamedTuple

@@ -17,7 +17,7 @@ from fmbd.planar.compile import inner, part, part_sums
 def back_substitute(
     sys: Any, cp: Any, work: Any, tan: Any, v0: np.ndarray, a0: np.ndarray, r: np.ndarray, x: np.ndarray
 ) -> None:
-    """x (nq,) and the links' unknowns for dID(x; v0, a0) = r, all (nq,), with tan.rhs of the links and `pull` of joints.
+    """x (nq,) and the links' unknowns for dID(x; v0, a0) = r, all (nq,), with tan.rhs of links, `pull` of joints.
 
     `work` is that of the linearisation, untouched since.
     """

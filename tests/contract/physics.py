@@ -1,6 +1,7 @@
 """What a mechanism does, free of the coordinates that describe it: motion of points, momentum, balance of energy."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -54,9 +55,14 @@ def run(system: System, times: Array) -> Block:
     statistics = Statistics(system.model.simulation.method)
     blocks = list(integrate(system, times, statistics))
     assert not statistics.reason, statistics.reason
-    assert sum(block.time.size for block in blocks) == times.size
-    (block,) = blocks
-    return block
+    whole = {
+        field.name: np.concatenate([getattr(block, field.name) for block in blocks])
+        for field in fields(Block)
+        if field.name != "energy"
+    }
+    energy = {name: np.concatenate([block.energy[name] for block in blocks]) for name in blocks[0].energy}
+    assert whole["time"].size == times.size
+    return Block(**whole, energy=energy)
 
 
 def start(system: System, points: Sequence[str]) -> Array:
