@@ -4,7 +4,7 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -82,14 +82,14 @@ class Timed:
 
 
 def interleaved(
-    ladders: Mapping[Hashable, Sequence[Callable[[], Any]]], rounds: int, patience: float
-) -> dict[Hashable, list[Timed]]:
+    ladders: Mapping[Any, Sequence[Callable[[], Any]]], rounds: int, patience: float
+) -> dict[Any, list[Timed]]:
     """Time all runs, in turn, so that a busy moment hits every competitor.
 
     Runs that give up are left out. Each ladder is ordered from cheap to dear: it ends where a run is out of time. Runs
     that have taken `patience` seconds are not repeated.
     """
-    timed: dict[Hashable, list[Timed]] = {key: [] for key in ladders}
+    timed: dict[Any, list[Timed]] = {key: [] for key in ladders}
     for key, ladder in ladders.items():
         for run in ladder:
             start = time.process_time()

@@ -12,12 +12,13 @@ from five_bar import DAMPING, METHODS, five_bar
 from mechanisms import chain, four_bars
 from numba import njit
 
+from fmbd.model import Model
 from fmbd.planar.equations import evaluate_accelerations
 from fmbd.solvers.integrate import Statistics, integrate
 from fmbd.system import System, assemble
 
 TITLE = "Scaling: elements of a link, bodies of a chain, loops"
-FAMILIES = {"chain": chain, "four-bars": four_bars}
+FAMILIES: dict[str, Callable[[int], Model]] = {"chain": chain, "four-bars": four_bars}
 ACCELERATION, EXUDYN = "acceleration", "Exudyn, a step"
 
 
@@ -65,11 +66,12 @@ def measure(quick: bool) -> dict[str, Any]:
 
 def _refined(elements: list[int], seconds: float) -> dict[str, list[float | None]]:
     costs: dict[str, list[float | None]] = {}
+    for method in METHODS:
+        step(five_bar(1, DAMPING["damped"], method, 1e-4), 0.0)  # compiles
     for n in elements:
         costs.setdefault(ACCELERATION, []).append(median(acceleration(five_bar(n, DAMPING["damped"]))))
         for method in METHODS:
             system = five_bar(n, DAMPING["damped"], method, 1e-4)
-            step(system, 0.0)  # compiles
             costs.setdefault(method, []).append(step(system, seconds))
         if HAS_EXUDYN:
             costs.setdefault(EXUDYN, []).append(_exudyn_step(n))
@@ -87,7 +89,7 @@ def _exudyn_step(elements: int, steps: int = 300) -> float | None:
         return None
 
 
-def _family(build: Callable[[int], Any], numbers: list[int], patience: float) -> dict[str, Any]:
+def _family(build: Callable[[int], Model], numbers: list[int], patience: float) -> dict[str, Any]:
     """Time an acceleration for every number that can be assembled in `patience` seconds."""
     found: dict[str, Any] = {"N": [], "acceleration": [], "assembly": []}
     for n in numbers:
@@ -121,14 +123,30 @@ def tables(data: dict[str, Any]) -> str:
             for n, t, assembly in zip(family["N"], family["acceleration"], family["assembly"])
         ]
         parts.append(table([f"{name}: N", "acceleration [us]", "a + b N [us]", "assembling [s]"], rows))
-        line = f"a = {1e6 * family['a']:.2f} us, b = {1e6 * family['b']:.3f} us"
-        parts.append(f"{name}: {line}, within {family['deviation']:.0%}.")
-    if EXUDYN not in costs:
-        parts.append(EXUDYN_MISSING)
-    return "\n\n".join(parts)
+    return "\n\n".join([*parts, summary(data)])
 
 
-summary = tables
+def summary(data: dict[str, Any]) -> str:
+    """The fitted lines, and how much more a step costs when the mesh is refined."""
+    lines = []
+    for name, family in data["families"].items():
+        fit = f"{1e6 * family['a']:.2f} us + {1e6 * family['b']:.3f} us N"
+        lines.append(
+            f"- {name}, N up to {family['N'][-1]}: an acceleration takes {fit}, within {family['deviation']:.0%}."
+        )
+    few, many = (data["elements"].index(n) for n in (4, min(256, data["elements"][-1])))
+    ratios = [
+        f"{name} {values[many] / values[few]:.1f}"
+        for name, values in data["costs"].items()
+        if values[few] and values[many]
+    ]
+    elements = f"{data['elements'][many]} elements a link over 4"
+    lines.append(
+        f"- five-bar, {elements}, a step (or acceleration) costs times as much: {', '.join(ratios)}."
+    )
+    if EXUDYN not in data["costs"]:
+        lines.append(f"- {EXUDYN_MISSING}")
+    return "\n".join(lines)
 
 
 def draw(data: dict[str, Any], path: Path) -> None:

@@ -12,7 +12,6 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from threading import Barrier
 from typing import Any
 
 import numpy as np
@@ -43,7 +42,7 @@ def measure(quick: bool) -> dict[str, Any]:
     """Runs a second by competitor."""
     count = 8 if quick else 128
     reference = fmbd_run("dop853", 1e-12, KP)
-    competitors = []
+    competitors: list[dict[str, Any]] = []
     for method in METHODS:
         tries = [partial(fmbd_run, method, 10.0**-k) for k in range(2, 11)]
         if found := _loosest(tries, reference):
@@ -52,13 +51,14 @@ def measure(quick: bool) -> dict[str, Any]:
             alone = cpu(lambda system=system: [by_fmbd(system, np.inf) for _ in range(5)]) / 5
             competitors.append({"name": f"fmbd {method}", "error": error, "integrating": alone, "task": task})
     if HAS_EXUDYN:
-        converged = exudyn_run(192_000, KP)
+        converged = exudyn_run(96_000, KP)
         if found := _loosest([partial(exudyn_run, 300 * k) for k in (10, 15, 20, 30, 40, 60)], converged):
             task, error = found
             competitors.append({"name": "Exudyn", "error": error, "integrating": None, "task": task})
-    for competitor in competitors:
-        competitor |= _rates(competitor.pop("task"), count)
-        print(f"  {competitor['name']}", flush=True)
+    with _pool() as pool:
+        for competitor in competitors:
+            print(f"  {competitor['name']}", flush=True)
+            competitor |= _rates(pool, competitor.pop("task"), count)
     return {"runs": count, "workers": WORKERS, "competitors": competitors}
 
 
@@ -73,32 +73,29 @@ def _loosest(tries: list[partial[Observed]], reference: Observed) -> tuple[parti
     return None
 
 
-def _rates(task: Callable[[float], Observed], count: int) -> dict[str, float]:
+def _rates(pool: ProcessPoolExecutor, task: Callable[[float], Observed], count: int) -> dict[str, float]:
     """Runs a CPU second in this process, runs a second of the clock in the pool."""
     gains = list(np.linspace(0.9 * KP, 1.1 * KP, count))
     alone = gains[: max(4, count // 4)]
     one = len(alone) / cpu(lambda: [task(kp) for kp in alone])
-    with _pool() as pool:
-        list(pool.map(task, gains[:WORKERS]))  # loads the compiled kernels
-        start = time.perf_counter()
-        list(pool.map(task, gains, chunksize=4))
-        return {"one_process": one, "pool": count / (time.perf_counter() - start)}
+    list(pool.map(task, gains[:WORKERS] * 4))  # loads the compiled kernels
+    start = time.perf_counter()
+    list(pool.map(task, gains, chunksize=2))
+    return {"one_process": one, "pool": count / (time.perf_counter() - start)}
 
 
 @contextmanager
 def _pool() -> Iterator[ProcessPoolExecutor]:
     """One process a core, all of them ready."""
-    unpin()
     context = multiprocessing.get_context("spawn")
-    barrier = context.Barrier(WORKERS)
-    with ProcessPoolExecutor(WORKERS, context, _prepare, (barrier,)) as pool:
+    barrier = context.Barrier(WORKERS + 1, timeout=60)
+    with ProcessPoolExecutor(WORKERS, context, barrier.wait) as pool:
+        unpin()
+        for _ in range(WORKERS):
+            pool.submit(int)  # starts a process, which may use all cores, for none is idle yet
+        barrier.wait()
+        pin()
         yield pool
-    pin()
-
-
-def _prepare(barrier: Barrier) -> None:
-    fmbd_run(METHODS[0], 1e-3, KP)
-    barrier.wait()
 
 
 def tables(data: dict[str, Any]) -> str:

@@ -3,6 +3,7 @@
 Small undamped motions about a position at rest, with the stiffness of beams and springs alone: gravity, preloads and
 controllers are left out, and so is what they add to the stiffness (geometric stiffness). A spring whose rest length is
 zero pulls with k times the vector between its points: it is as stiff across as along, also where they coincide.
+Springs with backlash or a table, and stops, count with their tangent at rest there, none if it falls.
 
     M    mass matrix, Cholesky factor L          A    Phi_q L^-T: constraints on x = L^T q
     G    square root of the stiffness, K = G^T G R    orthonormal basis of the motions x that A allows
@@ -16,6 +17,7 @@ import numpy as np
 from fmbd.analyses.jacobians import displacement_rows, pathway_rows
 from fmbd.analyses.structure import independent_rows
 from fmbd.planar.arrays import DISTANCE
+from fmbd.planar.laws import LINEAR, evaluate_law
 from fmbd.solvers.tableau import Tableau
 from fmbd.system import System
 
@@ -70,8 +72,19 @@ def _of_springs(system: System, q: Array, t: float) -> Array:
     """Rows of G for the springs, by nodal coordinates; two for a spring that pulls on a point from all sides."""
     springs = system.planar.springs
     terms = system.planar.terms[system.planar.pathways["term0"][springs["pathway"]]]
-    around = (terms["kind"] == DISTANCE) & (springs["rest"] == 0.0)
+    around = (terms["kind"] == DISTANCE) & (springs["rest"] == 0.0) & (springs["kind"] == LINEAR)
     along = pathway_rows(system, q, t)[springs["pathway"][~around]]
     rows = np.vstack([along, *displacement_rows(system, q, t, terms[around])])
-    k = np.concatenate([springs["k"][~around], *[springs["k"][around]] * 2])
+    stiffness = _tangents(system, q, t)
+    k = np.concatenate([stiffness[~around], *[stiffness[around]] * 2])
     return np.sqrt(k)[:, None] * rows
+
+
+def _tangents(system: System, q: Array, t: float) -> Array:
+    """Stiffness of the springs at rest, shape (springs,)."""
+    planar = system.planar
+    lengths = system.reference.pathways(q, t)[0][planar.springs["pathway"], None]
+    values = np.zeros((planar.springs.size, 1, 5))
+    for k, length in enumerate(lengths):
+        evaluate_law(planar.springs, planar.curves, k, length, np.zeros(1), values[k])
+    return np.maximum(values[:, 0, 1], 0.0)

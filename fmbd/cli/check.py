@@ -146,7 +146,7 @@ def _start(system: "System") -> "Table":
         if coordinate in own:
             value, rate = q[own[coordinate]], v[own[coordinate]]
         else:  # of a cut or driven joint
-            value, row = mechanism.coordinate(q, name, direction)
+            value, row = mechanism.coordinates(q, [(name, direction)])[0]
             rate = row[:-1] @ v + row[-1]
         angle = f"{degrees(value):.2f}" if direction == "angle" else ""
         table.add_row(coordinate, _g(value), angle, _g(rate))

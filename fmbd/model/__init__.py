@@ -6,6 +6,7 @@ from fmbd.model.controllers import GravityCompensation, PDController, PIDControl
 from fmbd.model.expressions import compile_time_expression
 from fmbd.model.initial import Initial
 from fmbd.model.joints import Joint, JointSpring
+from fmbd.model.laws import Backlash, ForceTable, Friction, Limits
 from fmbd.model.loader import load_model, load_model_text
 from fmbd.model.loads import DistributedLoad, ForceLoad, MomentLoad
 from fmbd.model.materials import Material
@@ -21,6 +22,7 @@ from fmbd.model.springs import PointToPointSpring, TorsionalSpring
 from fmbd.model.tables import Table
 
 __all__ = [
+    "Backlash",
     "Baumgarte",
     "Beam",
     "BeamPiece",
@@ -32,11 +34,14 @@ __all__ = [
     "Disc",
     "DistributedLoad",
     "ForceLoad",
+    "ForceTable",
+    "Friction",
     "GravityCompensation",
     "Ground",
     "Initial",
     "Joint",
     "JointSpring",
+    "Limits",
     "Material",
     "Model",
     "ModelError",

@@ -5,9 +5,10 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, model_validator
 
-from fmbd.model.base import Flag, NotNegative, Number, Pair, Part
+from fmbd.model.base import Flag, NotNegative, Number, Pair, Part, short_form
 from fmbd.model.context import reject
-from fmbd.model.names import described
+from fmbd.model.laws import Friction, Limits, SpringLaw
+from fmbd.model.names import closest, described
 from fmbd.model.points import PointRefField
 from fmbd.model.signals import SignalField
 
@@ -22,15 +23,14 @@ FREE_COORDINATES: dict[str, tuple[Coordinate, ...]] = {
 }
 
 
-class JointSpring(Part):
-    """A linear spring and damper in a joint coordinate."""
+FrictionField = Annotated[Friction, short_form("viscous", NotNegative | Friction)]
 
-    stiffness: NotNegative = 0.0
-    """Stiffness [N/m or N m/rad]."""
-    damping: NotNegative = 0.0
-    """Viscous damping [N s/m or N m s/rad]."""
+
+class JointSpring(SpringLaw):
+    """A spring and damper in a joint coordinate."""
+
     rest: Number = 0.0
-    """Coordinate at which the spring is relaxed [m or rad]."""
+    """Coordinate at which the stretch is zero [m or rad]."""
 
 
 def by_coordinate(value: Any, coordinates: tuple[Coordinate, ...], is_value: bool) -> Any:
@@ -53,16 +53,23 @@ def by_coordinate(value: Any, coordinates: tuple[Coordinate, ...], is_value: boo
     return {coordinates[0]: value}
 
 
-def _spring(value: Any, info: ValidationInfo) -> Any:
-    return _spread(value, info, isinstance(value, dict) and value.keys().isdisjoint(get_args(Coordinate)))
+def _law(part: type[Part], entry: Any) -> BeforeValidator:
+    """Spreads a part by coordinate; a mapping is the part itself if none of its names is like a coordinate's.
+
+    `entry` is the type of its value in a file, for editors.
+    """
+
+    def spread(value: Any, info: ValidationInfo) -> Any:
+        coordinates = get_args(Coordinate)
+        known = (*part.key_names(), *coordinates)
+        is_value = isinstance(value, dict) and not any(closest(name, known) in coordinates for name in value)
+        return _spread(value, info, is_value)
+
+    return BeforeValidator(spread, json_schema_input_type=entry | dict[Coordinate, entry])
 
 
 def _signal(value: Any, info: ValidationInfo) -> Any:
     return _spread(value, info, isinstance(value, dict) and "type" in value)
-
-
-def _number(value: Any, info: ValidationInfo) -> Any:
-    return _spread(value, info, False)
 
 
 def _spread(value: Any, info: ValidationInfo, is_value: bool) -> Any:
@@ -91,16 +98,16 @@ class Joint(Part):
     """The two points, of different bodies: [body.point, body.point]."""
     axis: Annotated[Pair, AfterValidator(_normalised)] = (1.0, 0.0)
     """Direction of x in the first point's frame."""
-    spring: Annotated[
-        dict[Coordinate, JointSpring],
-        BeforeValidator(_spring, json_schema_input_type=JointSpring | dict[Coordinate, JointSpring]),
-    ] = Field(default_factory=dict)
-    """Spring and damper {stiffness, damping, rest}, by coordinate if there are several."""
-    friction: Annotated[
-        dict[Coordinate, NotNegative],
-        BeforeValidator(_number, json_schema_input_type=NotNegative | dict[Coordinate, NotNegative]),
-    ] = Field(default_factory=dict)
-    """Viscous friction [N s/m or N m s/rad], by coordinate if there are several."""
+    spring: Annotated[dict[Coordinate, JointSpring], _law(JointSpring, JointSpring)] = Field(
+        default_factory=dict
+    )
+    """Spring and damper {stiffness, damping, rest, backlash, force_table}, by coordinate if there are several."""
+    friction: Annotated[dict[Coordinate, FrictionField], _law(Friction, FrictionField)] = Field(
+        default_factory=dict
+    )
+    """Viscous friction [N s/m or N m s/rad], or {viscous, coulomb, static, stribeck_speed, transition_speed}."""
+    limits: Annotated[dict[Coordinate, Limits], _law(Limits, Limits)] = Field(default_factory=dict)
+    """Stops {lower, upper, stiffness, damping, transition}, by coordinate if there are several."""
     driven: Annotated[
         dict[Coordinate, SignalField],
         BeforeValidator(_signal, json_schema_input_type=SignalField | dict[Coordinate, SignalField]),

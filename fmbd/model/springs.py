@@ -17,7 +17,7 @@ class PointToPointSpring(SpringLaw):
     between: tuple[PointRefField, PointRefField]
     """The two points: [body.point, body.point]."""
     rest_length: NotNegative | None = None
-    """Length without force [m]; relaxed at the start when left out."""
+    """Length at which the stretch is zero [m]; that at the start when left out."""
 
     @model_validator(mode="after")
     def _check(self) -> "PointToPointSpring":
@@ -37,7 +37,7 @@ class TorsionalSpring(SpringLaw):
     between: tuple[PointRefField, PointRefField]
     """The two points: [body.point, body.point]."""
     rest_angle: Number | None = None
-    """Angle without moment [rad]; relaxed at the start when left out."""
+    """Angle at which the stretch is zero [rad]; that at the start when left out."""
 
 
 Spring = PointToPointSpring | TorsionalSpring

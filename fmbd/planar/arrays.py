@@ -77,7 +77,20 @@ TERM = np.dtype(
     align=True,
 )
 PATHWAY = np.dtype([("term0", "i8"), ("nterm", "i8"), ("offset", "f8")], align=True)
-SPRING = np.dtype([("pathway", "i8"), ("k", "f8"), ("d", "f8"), ("rest", "f8")], align=True)
+# A spring of any law (see laws.py); k and d are its linear part.
+SPRING = np.dtype(
+    [
+        ("pathway", "i8"),
+        ("k", "f8"),
+        ("d", "f8"),
+        ("rest", "f8"),
+        ("kind", "i8"),
+        ("p", "f8", (5,)),
+        ("start", "i8"),  # pieces of a table: curves[start : start + count]
+        ("count", "i8"),
+    ],
+    align=True,
+)
 # freedom: what a unit multiplier would accelerate the heaviest of the bodies by, were it free
 CONSTRAINT = np.dtype([("pathway", "i8"), ("driver", "i8"), ("freedom", "f8")], align=True)
 LOAD = np.dtype(
@@ -160,7 +173,8 @@ SLOT = np.dtype(
 # See hanging.py; inertance is d / (1 + d p).
 HANG = np.dtype(
     [(n, "f8", (3, 3)) for n in ("L", "x")]
-    + [(n, "f8", (3,)) for n in ("g", "d", "bw", "bs", "phi", "inertance")],
+    + [(n, "f8", (3,)) for n in ("g", "d", "bw", "bs", "phi", "inertance")]
+    + [("idle", "i8", (3,))],
     align=True,
 )
 # See holding.py; inverse is that of H_f, AI is A times it, E becomes its inverse.
@@ -184,6 +198,7 @@ class Planar(NamedTuple):
     terms: Any
     pathways: Any
     springs: Any
+    curves: np.ndarray  # (pieces, 6): stretch, the cubic's coefficients from there on, energy there
     constraints: Any
     loads: Any
     distributed: Any
@@ -200,7 +215,10 @@ class Planar(NamedTuple):
     slots: Any  # (slots,) initial values of Work.slots
     slot_rows: int  # rows of all slots together
     ground_slot0: int
-    ground_block0: int
+    ground_base: int  # entry (m, j) of the ground's block is Work.block[ground_base + m ground_stride + j]
+    ground_stride: int
+    ground_band: int  # the farthest from the diagonal that it has entries
+    block_size: int
     online_compensation: int  # 1: some controller asks for it
     held: np.ndarray  # constraints that hold the rigid mechanism, gears of rotors left out
 
@@ -236,7 +254,6 @@ class Work(NamedTuple):
 
 def allocate(system: Planar) -> Work:
     """Scratch arrays for `system`; the frames of ground stations are set here, once."""
-    ground_slots = system.slots.size - system.ground_slot0
     hung = system.bodies[system.bodies["hang"] >= 0]
     carriers = system.bodies[hung["parent"]]
     moving = system.bodies["coordinate"][system.bodies["rotor"] == 0]
@@ -257,7 +274,7 @@ def allocate(system: Planar) -> Work:
         slots=system.slots.copy(),
         slot_y=np.zeros(system.slot_rows),
         slot_v=np.zeros(system.slot_rows),
-        block=np.zeros(system.ground_block0 + ground_slots**2),
+        block=np.zeros(system.block_size),
         reactions=records(system.constraints.size, CONSTRAINT_STATE),
         drives=records(system.motors.size, MOTOR_STATE),
         signal=np.zeros((system.signals.size, 3)),

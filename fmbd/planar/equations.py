@@ -12,6 +12,7 @@ from fmbd.planar.compile import compiled, inner, part
 from fmbd.planar.forces import applied_forces, body_forces, clear_forces
 from fmbd.planar.gravity_compensation import compensate_gravity
 from fmbd.planar.kinematics import kinematics
+from fmbd.planar.laws import law
 from fmbd.planar.pathways import pathways
 from fmbd.planar.recursion import joint_direction, joint_reaction, outer_acceleration, solve
 from fmbd.planar.signals import evaluate_signals
@@ -244,6 +245,7 @@ def energies(sys: Any, work: Any, q: np.ndarray, v: np.ndarray, z: np.ndarray) -
         kinetic -= 0.5 * sys.inertias[k].value * turning * turning
     for k in range(sys.springs.size):
         spring = sys.springs[k]
-        stretch = work.lengths[spring.pathway].value - spring.rest
-        elastic += 0.5 * spring.k * stretch * stretch
+        path = work.lengths[spring.pathway]
+        _, _, _, stored, _ = law(spring, sys.curves, path.value, path.rate)
+        elastic += stored
     return kinetic, potential, elastic

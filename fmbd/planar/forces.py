@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import part, part_sums
+from fmbd.planar.laws import law
 from fmbd.planar.pathways import put_force, put_wrench
 
 
@@ -28,7 +29,7 @@ def clear_forces(frames: Any, rows: Any) -> None:
 def applied_forces(sys: Any, work: Any, z: np.ndarray, dz: np.ndarray) -> tuple[float, float]:
     """Add springs, motors and loads to the wrenches; fill dz, the rates of the first-order states.
 
-    Returns the power that dampers dissipate and the power of motors and loads [W].
+    Returns the power that dampers and friction dissipate and the power of motors and loads [W].
     """
     dissipated, power = 0.0, 0.0
     # springs first, then motors: both are forces along a pathway
@@ -37,8 +38,8 @@ def applied_forces(sys: Any, work: Any, z: np.ndarray, dz: np.ndarray) -> tuple[
             spring = sys.springs[k]
             index = spring.pathway
             path = work.lengths[index]
-            force = -spring.k * (path.value - spring.rest) - spring.d * path.rate
-            dissipated += spring.d * path.rate * path.rate
+            force, _, _, _, loss = law(spring, sys.curves, path.value, path.rate)
+            dissipated += loss
         else:
             motor = sys.motors[k - sys.springs.size]
             drive = work.drives[k - sys.springs.size]

@@ -54,6 +54,9 @@ def hang_on_rows(
         lz = 1.0 if k == 2 else L[2, k]
         for j in range(k + 1, 3):
             g[j] -= L[j, k] * g[k]
+        hang.idle[k] = 1 if hang.d[k] == 0.0 and g[k] == 0.0 and parent.nslot == 0 else 0
+        if hang.idle[k] == 1:
+            continue
         hang.bw[k] = p.c * ly - p.s * lx
         hang.bs[k] = (f.px - at.x) * ly - (f.py - at.y) * lx + lz
         hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = lx, ly, rx * ly - ry * lx + lz
@@ -205,6 +208,8 @@ def put_back_hung(
     """The forces of the child b on the rows of its parent, last taken in first, into rows[].push."""
     n = parent.nrow
     for k in range(2, -1, -1):
+        if hang.idle[k] == 1:
+            continue
         yielding = hang.x[k, 0] * p.ax + hang.x[k, 1] * p.ay + hang.x[k, 2] * p.aw
         for r in range(n):
             yielding += hang_w[b.hang_w0 + k * n + r] * rows[parent.row0 + r].push

@@ -4,10 +4,10 @@ The unknown is one number x per coordinate; with three weights (bq, bv, ba) of t
     dq = bq x,    dv = bv x + v0,    dq'' = ba x + a0
 so that an acceleration asks for (0, 0, 1), statics for (1, 0, 0), an implicit step for all three. In world axes:
 
-    X = (theta, a, p, u)  of a frame: dangle = bq theta, dw = bv theta, dalpha = ba theta; d(acceleration, place, velocity)
+    X = (theta, a, p, u)  of a frame: dangle = bq theta, dw = bv theta, dalpha = ba theta; da, dplace, dvelocity
     y              of a row of a flexible body: R x
     turn, lift     (a, p, u) of a station per unit of its body's theta, per unit of its row of deflection
-    swing, along   (a, p, u) of a joint's inner station per unit of theta of its axes, per unit of x along each of them
+    swing, along   (a, p, u) of a joint's inner station per unit of theta of its axes, of x along each
     H, HY          wrench that a body asks for, about its frame's origin: dW = H X + HY^T y + (g times the links' unknowns)
     PX, P          forces that it asks for on its rows: phi = PX X + P y + (share_g times the links' unknowns)
     N              R diag(1/D) R^T,   D = ba + bv d + bq (omega^2 - w^2)
@@ -23,6 +23,7 @@ import numpy as np
 from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y
 from fmbd.planar.compile import inner, part, part_sums
 from fmbd.planar.equations import reaction
+from fmbd.planar.laws import law
 from fmbd.planar.tangent_arrays import COMMAND, LEAN_FORCE, LEAN_MOMENT, MULTIPLIER
 
 
@@ -235,13 +236,13 @@ def _point_inertia(point: Any, sys: Any, work: Any, tan: Any, places: Any, bq: A
     row = work.rows[point.row]
     r, n = point.row - b.row0, place.nr
     alpha = f.bw + f.aw
-    I, value, rate = point.value, row.value, row.rate
-    H[2, 0] -= I * (value * value * ba + 2.0 * bv * value * rate)
-    tan.bodies[point.body].S[4] -= I * value * value
-    tan.bodies[point.body].S[5] -= I * value * rate
-    tan.HY[place.row0 + r, 2] -= 2.0 * I * (value * alpha * bq + f.w * (bq * rate + bv * value))
-    tan.PX[place.row0 + r, 0] += 2.0 * I * f.w * bv * value
-    tan.P[place.matrix0 + r * n + r] += I * f.w * f.w * bq
+    inertia, value, rate = point.value, row.value, row.rate
+    H[2, 0] -= inertia * (value * value * ba + 2.0 * bv * value * rate)
+    tan.bodies[point.body].S[4] -= inertia * value * value
+    tan.bodies[point.body].S[5] -= inertia * value * rate
+    tan.HY[place.row0 + r, 2] -= 2.0 * inertia * (value * alpha * bq + f.w * (bq * rate + bv * value))
+    tan.PX[place.row0 + r, 0] += 2.0 * inertia * f.w * bv * value
+    tan.P[place.matrix0 + r * n + r] += inertia * f.w * f.w * bq
 
 
 @part
@@ -265,8 +266,8 @@ def _pathway_forces(sys: Any, cp: Any, work: Any, tan: Any, bq: Any, bv: Any, pe
     for k in range(sys.springs.size):
         spring = sys.springs[k]
         path = work.lengths[spring.pathway]
-        force = -spring.k * (path.value - spring.rest) - spring.d * path.rate
-        _along(spring.pathway, force, spring.k, spring.d, sys, cp, work, tan, bq, bv)
+        force, stiffness, damping, _, _ = law(spring, sys.curves, path.value, path.rate)
+        _along(spring.pathway, force, stiffness, damping, sys, cp, work, tan, bq, bv)
     for m in range(sys.motors.size):
         motor, drive = sys.motors[m], work.drives[m]
         gain = 1.0 + 0.0 * per_z
@@ -342,7 +343,8 @@ def _links(sys: Any, cp: Any, work: Any, tan: Any) -> None:
             if link.kind <= COMMAND:
                 _piece(piece, tan.weights[k, piece.measured], sys, work, tan)
             else:
-                _lean(link.kind, piece, tan.tension[link.index], sys, work, tan)
+                weights = tan.weights[max(cp.tension_link[link.index], 0), 0]
+                _lean(link.kind, piece, tan.tension[link.index], weights, sys, work, tan)
 
 
 @part
@@ -396,8 +398,8 @@ def _piece(piece: Any, weights: np.ndarray, sys: Any, work: Any, tan: Any) -> No
 
 
 @part
-def _lean(kind: int, piece: Any, tension: float, sys: Any, work: Any, tan: Any) -> None:
-    """A pathway's force as its direction changes: with the distance it acts over, or with the axes of its first point."""
+def _lean(kind: int, piece: Any, tension: float, weights: np.ndarray, sys: Any, work: Any, tan: Any) -> None:
+    """A pathway's force as its direction changes: with the line it acts along, or the axes of its first point."""
     term = sys.terms[piece.term]
     g, a, b = work.geometry[piece.term], work.points[term.a], work.points[term.b]
     force = term.coefficient * tension
@@ -413,10 +415,11 @@ def _lean(kind: int, piece: Any, tension: float, sys: Any, work: Any, tan: Any) 
     _add_column(tan, piece.end_a, g.ny, -g.nx, 0.0)
     if kind == LEAN_FORCE:
         _add_turn(tan, piece.end_a, -force, 0.0, 0.0)
-    elif along > 0.0:
-        force /= along
-        _add_row(tan, piece.end_b, force * g.ny, -force * g.nx, 0.0, 0.0, 0.0, 0.0)
-        _add_row(tan, piece.end_a, -force * g.ny, force * g.nx, 0.0, 0.0, 0.0, 0.0)
+    else:
+        # a spring of no length that wants none pulls back from all sides
+        stiffness = -force / along if along > 0.0 else term.coefficient**2 * weights[0]
+        _add_row(tan, piece.end_b, -stiffness * g.ny, stiffness * g.nx, 0.0, 0.0, 0.0, 0.0)
+        _add_row(tan, piece.end_a, stiffness * g.ny, -stiffness * g.nx, 0.0, 0.0, 0.0, 0.0)
 
 
 @part

@@ -65,15 +65,20 @@ def close_loops(
     slot0: int,
     n: int,
     closed: int,
-    block0: int,
+    base: int,
+    stride: int,
+    band: int,
 ) -> None:
-    """Eliminate the first `closed` of n slots: block lambda + g.a = rhs; f is the body they close at."""
+    """Eliminate the first `closed` of n slots: block lambda + g.a = rhs; f is the body they close at.
+
+    Entry (m, j) of the block is block[base + m stride + j]; it is zero beyond `band` from the diagonal.
+    """
     for c in range(closed):
         s = slots[slot0 + c]
         s.rhs += reactions[s.constraint].target
     for c in range(closed):
         s = slots[slot0 + c]
-        row = block0 + c * n
+        row = base + c * stride
         pivot = block[row + c]
         s.pivot = pivot if pivot > DEPENDENT * constraints[s.constraint].freedom else 0.0
         reactions[s.constraint].redundant = 1 if s.pivot == 0.0 else 0
@@ -84,7 +89,8 @@ def close_loops(
             f.gx += s.gx * s.rhs / pivot
             f.gy += s.gy * s.rhs / pivot
             f.gz += s.gz * s.rhs / pivot
-        for m in range(c + 1, n):
+        last = min(n, c + 1 + band)
+        for m in range(c + 1, last):
             ratio = block[row + m] / pivot
             if ratio == 0.0:
                 continue
@@ -93,8 +99,8 @@ def close_loops(
             t.gy -= ratio * s.gy
             t.gz -= ratio * s.gz
             t.rhs -= ratio * s.rhs
-            for j in range(c + 1, n):
-                block[block0 + m * n + j] -= ratio * block[row + j]
+            for j in range(c + 1, last):
+                block[base + m * stride + j] -= ratio * block[row + j]
 
 
 @part
@@ -105,7 +111,9 @@ def open_loops(
     slot0: int,
     n: int,
     closed: int,
-    block0: int,
+    base: int,
+    stride: int,
+    band: int,
     ax: float,
     ay: float,
     aw: float,
@@ -116,8 +124,8 @@ def open_loops(
         value = 0.0
         if s.pivot > 0.0:
             value = s.rhs - s.gx * ax - s.gy * ay - s.gz * aw
-            for m in range(c + 1, n):
-                value -= block[block0 + c * n + m] * reactions[slots[slot0 + m].constraint].multiplier
+            for m in range(c + 1, min(n, c + 1 + band)):
+                value -= block[base + c * stride + m] * reactions[slots[slot0 + m].constraint].multiplier
             value /= s.pivot
         reactions[s.constraint].multiplier = value
 
@@ -134,12 +142,12 @@ def add_rank_one(f: Any, weight: float, x: float, y: float, z: float) -> None:
 
 
 @part
-def hand_down(b: Any, slots: Any, block: np.ndarray, first: int, width: int, block0: int) -> None:
+def hand_down(b: Any, slots: Any, block: np.ndarray, first: int, base: int, stride: int) -> None:
     """Add right-hand sides and Schur complement of the open slots to those of the parent or the ground."""
     n = b.nslot
     for m in range(b.closed, n):
         s = slots[b.slot0 + m]
         slots[s.parent].rhs += s.rhs
         for j in range(b.closed, n):
-            k = block0 + (s.parent - first) * width + slots[b.slot0 + j].parent - first
+            k = base + (s.parent - first) * stride + slots[b.slot0 + j].parent - first
             block[k] += block[b.block0 + m * n + j]

@@ -59,7 +59,8 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
             hold_by_rows(b, f, work.holds[b.hold], inner, rows, N, slots, slot_v, block)
         else:
             _shift_to_joint(b, f, slots)
-        close_loops(f, True, slots, block, sys.constraints, reactions, b.slot0, b.nslot, b.closed, b.block0)
+        n = b.nslot
+        close_loops(f, True, slots, block, sys.constraints, reactions, b.slot0, n, b.closed, b.block0, n, n)
         if not _eliminate_joint(b, f, slots, block):
             return i
         if b.parent >= 0:
@@ -83,14 +84,14 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
                 )
             else:
                 _load_parent(b, f, p, slots)
-            hand_down(b, slots, block, parent.slot0, parent.nslot, parent.block0)
+            hand_down(b, slots, block, parent.slot0, parent.block0, parent.nslot)
         else:
-            hand_down(b, slots, block, sys.ground_slot0, slots.size - sys.ground_slot0, sys.ground_block0)
+            hand_down(b, slots, block, sys.ground_slot0, sys.ground_base, sys.ground_stride)
     n = slots.size - sys.ground_slot0
     if n > 0:
-        slot0, block0 = sys.ground_slot0, sys.ground_block0
-        close_loops(frames[0], False, slots, block, sys.constraints, reactions, slot0, n, n, block0)
-        open_loops(slots, block, reactions, slot0, n, n, block0, 0.0, 0.0, 0.0)
+        slot0, base, stride, band = sys.ground_slot0, sys.ground_base, sys.ground_stride, sys.ground_band
+        close_loops(frames[0], False, slots, block, sys.constraints, reactions, slot0, n, n, base, stride, band)
+        open_loops(slots, block, reactions, slot0, n, n, base, stride, band, 0.0, 0.0, 0.0)
     for i in range(sys.bodies.size):
         b, f = sys.bodies[i], frames[i]
         if b.rotor == 1 and b.parent < 0 and b.nslot == 0:
@@ -103,7 +104,8 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
         if b.hold >= 0:
             fx, fy, moment = joint_reaction(b, f, slots, reactions, ax, ay, aw)
         ax, ay, aw = _put_back_joint(b, f, slots, reactions, ax, ay, aw, qdd)
-        open_loops(slots, block, reactions, b.slot0, b.nslot, b.closed, b.block0, ax, ay, aw)
+        n = b.nslot
+        open_loops(slots, block, reactions, b.slot0, n, b.closed, b.block0, n, n, ax, ay, aw)
         rx, ry = f.px - f.x, f.py - f.y
         f.ax, f.ay, f.aw = ax + ry * aw, ay - rx * aw, aw
         if b.nf > 0:

@@ -48,7 +48,8 @@ def factor(
         _shift_to_joint(b, f, sys.stations[b.inner], tb, place, tan, bq)
         if b.nf > 0 and not _eliminate_rows(b, tb, place, tan):
             return i
-        _close(tb, True, cp, tan, place.slot0, place.nslot, place.closed, place.block0)
+        n = place.nslot
+        _close(tb, True, cp, tan, place.slot0, n, place.closed, place.block0, n, n)
         if not _eliminate_joint(b, f, tb, place, tan, bq):
             return i
         if b.parent >= 0:
@@ -66,13 +67,13 @@ def factor(
                 place,
             )
             up = cp.places[b.parent]
-            _hand_down(place, cp, tan, up.slot0, up.nslot, up.block0)
+            _hand_down(place, cp, tan, up.slot0, up.block0, up.nslot)
         else:
-            n = cp.shares.size - cp.ground_share0
-            _hand_down(place, cp, tan, cp.ground_share0, n, cp.ground_block0)
+            _hand_down(place, cp, tan, cp.ground_share0, cp.ground_base, cp.ground_stride)
     n = cp.shares.size - cp.ground_share0
     if n > 0:
-        _close(tan.bodies[0], False, cp, tan, cp.ground_share0, n, n, cp.ground_block0)
+        base, stride, band = cp.ground_base, cp.ground_stride, cp.ground_band
+        _close(tan.bodies[0], False, cp, tan, cp.ground_share0, n, n, base, stride, band)
     return -1
 
 
@@ -96,7 +97,7 @@ def _clear_shares(cp: Any, tan: Any) -> None:
             tan.block[place.block0 + m * place.nslot + m] = tan.diagonal[cp.shares[place.slot0 + m].link]
     n = cp.shares.size - cp.ground_share0
     for m in range(n):
-        tan.block[cp.ground_block0 + m * n + m] = tan.diagonal[cp.shares[cp.ground_share0 + m].link]
+        tan.block[cp.ground_base + m * cp.ground_stride + m] = tan.diagonal[cp.shares[cp.ground_share0 + m].link]
 
 
 @part
@@ -289,12 +290,14 @@ def _eliminate_rows(b: Any, tb: Any, place: Any, tan: Any) -> bool:
 
 
 @part
-def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, block0: int) -> None:
-    """Eliminate the links that close here: block . unknown + h . X = rhs."""
+def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, base: int, stride: int, band: int
+) -> None:
+    """Eliminate the links that close here: block . unknown + h . X = rhs; the block as in planar.loops."""
     block = tan.block
     for c in range(closed):
         s = tan.shares[slot0 + c]
-        row = block0 + c * n
+        row = base + c * stride
+        last = min(n, c + 1 + band)
         s.per_D = 0.0
         link = cp.shares[slot0 + c].link
         if tan.redundant[link] == 1 or not abs(block[row + c]) > _ROUND_OFF * tan.scale[link]:
@@ -305,21 +308,21 @@ def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed
                 ratio = s.g[i] * s.per_D
                 for j in range(len(tan.width)):
                     tb.H[i, j] -= ratio * s.h[j]
-        for m in range(c + 1, n):
+        for m in range(c + 1, last):
             t = tan.shares[slot0 + m]
             if on_body and block[row + m] != 0.0:
                 ratio = block[row + m] * s.per_D
                 for i in range(3):
                     t.g[i] -= s.g[i] * ratio
-            ratio = block[block0 + m * n + c] * s.per_D
-            block[block0 + m * n + c] = ratio
+            ratio = block[base + m * stride + c] * s.per_D
+            block[base + m * stride + c] = ratio
             if ratio == 0.0:
                 continue
             if on_body:
                 for j in range(len(tan.width)):
                     t.h[j] -= ratio * s.h[j]
-            for j in range(c + 1, n):
-                block[block0 + m * n + j] -= ratio * block[row + j]
+            for j in range(c + 1, last):
+                block[base + m * stride + j] -= ratio * block[row + j]
 
 
 @part
@@ -532,11 +535,11 @@ def _load_parent(
 
 
 @part
-def _hand_down(place: Any, cp: Any, tan: Any, first: int, width: int, block0: int) -> None:
+def _hand_down(place: Any, cp: Any, tan: Any, first: int, base: int, stride: int) -> None:
     """Add the block of the open links to that of the parent or the ground."""
     n = place.nslot
     for m in range(place.closed, n):
-        row = block0 + (cp.shares[place.slot0 + m].parent - first) * width - first
+        row = base + (cp.shares[place.slot0 + m].parent - first) * stride - first
         for j in range(place.closed, n):
             tan.block[row + cp.shares[place.slot0 + j].parent] += tan.block[place.block0 + m * n + j]
 

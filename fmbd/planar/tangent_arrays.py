@@ -41,7 +41,10 @@ class Couplings(NamedTuple):
     tension_link: np.ndarray  # of pathways, -1: none
     command_link: np.ndarray  # of motors, -1: none
     ground_share0: int
-    ground_block0: int
+    ground_base: int  # as in planar.arrays
+    ground_stride: int
+    ground_band: int
+    block_size: int
     narrow: bool  # no link depends on places and velocities, constraints taken by their second derivatives
 
 
@@ -135,7 +138,6 @@ def allocate_tangent(system: Any, couplings: Couplings, level: int = 2, scalar: 
     rows = int(places["nr"].sum())
     squares = int((places["nr"] ** 2).sum())
     share_rows = int((places["nr"] * places["nslot"]).sum())
-    ground = couplings.shares.size - couplings.ground_share0
 
     def zeros(*shape: int) -> np.ndarray:
         return np.zeros(shape, scalar)
@@ -173,7 +175,7 @@ def allocate_tangent(system: Any, couplings: Couplings, level: int = 2, scalar: 
         share_g=zeros(share_rows),
         share_h=zeros(share_rows),
         share_y=zeros(share_rows),
-        block=zeros(couplings.ground_block0 + ground**2),
+        block=zeros(couplings.block_size),
         effort=zeros(system.motors.size, 3),
         gains=zeros(system.motors.size, 4),
     )

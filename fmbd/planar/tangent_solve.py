@@ -38,7 +38,8 @@ def back_substitute(
         if b.nf > 0:
             _rows(b, f, sys.stations[b.inner], W, place, tan)
             _into_links(W, place, cp, tan)
-        _close(tb, True, cp, tan, place.slot0, place.nslot, place.closed, place.block0)
+        n = place.nslot
+        _close(tb, True, cp, tan, place.slot0, n, place.closed, place.block0, n, n)
         _joint(b, f, tb, place, cp, tan, v0, r)
         if b.parent >= 0:
             at, p, other = tan.relative[b.outer], work.frames[b.parent], tan.bodies[b.parent].W
@@ -52,14 +53,16 @@ def back_substitute(
                 tan.phi[shift + station.row_s] += W[2]
     n = cp.shares.size - cp.ground_share0
     if n > 0:
-        _close(tan.bodies[0], False, cp, tan, cp.ground_share0, n, n, cp.ground_block0)
-        _open(tan.bodies[0].X, False, cp, tan, cp.ground_share0, n, n, cp.ground_block0)
+        base, stride, band = cp.ground_base, cp.ground_stride, cp.ground_band
+        _close(tan.bodies[0], False, cp, tan, cp.ground_share0, n, n, base, stride, band)
+        _open(tan.bodies[0].X, False, cp, tan, cp.ground_share0, n, n, base, stride, band)
     for i in range(sys.bodies.size):
         b, tb, place = sys.bodies[i], tan.bodies[i], cp.places[i]
         X = tb.X
         _outer_motion(b, sys, cp, tan, X)
         _put_back_joint(b, tb, place, cp, tan, X, x)
-        _open(X, True, cp, tan, place.slot0, place.nslot, place.closed, place.block0)
+        n = place.nslot
+        _open(X, True, cp, tan, place.slot0, n, place.closed, place.block0, n, n)
         if b.nf > 0:
             _put_back_rows(b, sys.rows, place, cp, tan, X, x)
         _inner_to_frame(b, sys.stations[b.inner], tb, place, tan, X)
@@ -248,7 +251,8 @@ def _into_links(W: Any, place: Any, cp: Any, tan: Any) -> None:
 
 
 @part
-def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, block0: int) -> None:
+def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, base: int, stride: int, band: int
+) -> None:
     """Eliminate the links that close here from wrench and links."""
     for c in range(closed):
         s = tan.shares[slot0 + c]
@@ -258,8 +262,8 @@ def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed
         if on_body:
             for i in range(3):
                 tb.W[i] += s.g[i] * s.per_D * value
-        for m in range(c + 1, n):
-            tan.rhs[cp.shares[slot0 + m].link] -= tan.block[block0 + m * n + c] * value
+        for m in range(c + 1, min(n, c + 1 + band)):
+            tan.rhs[cp.shares[slot0 + m].link] -= tan.block[base + m * stride + c] * value
 
 
 @part
@@ -292,7 +296,8 @@ def _joint(b: Any, f: Any, tb: Any, place: Any, cp: Any, tan: Any, v0: np.ndarra
 
 
 @part
-def _open(X: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, block0: int) -> None:
+def _open(X: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, base: int, stride: int, band: int
+) -> None:
     """Unknowns of the links that close here, last eliminated first."""
     for c in range(closed - 1, -1, -1):
         s, link = tan.shares[slot0 + c], cp.shares[slot0 + c].link
@@ -300,8 +305,8 @@ def _open(X: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: 
         if on_body:
             for j in range(len(tan.width)):
                 value -= s.h[j] * X[j]
-        for m in range(c + 1, n):
-            value -= tan.block[block0 + c * n + m] * tan.unknown[cp.shares[slot0 + m].link]
+        for m in range(c + 1, min(n, c + 1 + band)):
+            value -= tan.block[base + c * stride + m] * tan.unknown[cp.shares[slot0 + m].link]
         tan.unknown[link] = value * s.per_D
 
 

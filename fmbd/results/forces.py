@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from fmbd.planar.compile import compiled
 from fmbd.planar.equations import accelerations, reaction
+from fmbd.planar.laws import evaluate_law
 from fmbd.results.motion import Motion
 from fmbd.solvers.integrate import solver_options
 
@@ -110,10 +111,12 @@ class Forces:
         return along.real if direction == "x" else along.imag
 
     def spring(self, name: str) -> Array:
-        """Length or angle, its rate, and the tension or moment k (l - rest) + d l', shape (3, nt)."""
-        spring = self.system.planar.springs[self.system.lowered.spring_names.index(name)]
-        length, rate = self._lengths[:, spring.pathway].T
-        return np.stack([length, rate, spring.k * (length - spring.rest) + spring.d * rate])
+        """Length or angle, its rate, and the tension or moment against both, shape (3, nt)."""
+        planar, index = self.system.planar, self.system.lowered.springs.names.index(name)
+        length, rate = self._lengths[:, planar.springs[index].pathway].T.copy()
+        values = np.zeros((length.size, 5))
+        evaluate_law(planar.springs, planar.curves, index, length, rate, values)
+        return np.stack([length, rate, -values[:, 0]])
 
     def motor(self, name: str) -> Array:
         """Input [V or N m] and torque on the shaft [N m], shape (2, nt)."""

@@ -9,14 +9,15 @@
     <joint>.force, .moment                  what the joint's constraints put on the body of its first point,
                                             in the world's axes and about that point
     <joint>.<x|y>.driving_force, .angle.driving_moment      what moves a driven coordinate, positive along it
+    <joint>.<x|y>.spring_force, .friction_force, .stop_force, .angle.spring_moment, ...     the same of these
     <beam>.deflection, .slope               w and w' in the floating frame; columns are the nodes
     <beam>.bending_moment, .shear_force     EI w'' and (EI w'')'; columns are the nodes (see beams.bending)
     <beam>.stress                           bending stress -E h/2 w'' in the fibre y = h/2
     <beam>.<point>.deflection, ...          the same five at a point
     <motor>.voltage, .current, .torque      input, armature current, torque on the rotor
     <motor>.transmission_torque             what gear or elastic shaft put on the joint
-    <spring>.length, .rate, .force          tension k (l - rest) + d l'
-    <spring>.angle, .rate, .moment          k (angle - rest) + d angle', on the body of the first point
+    <spring>.length, .rate, .force          tension, k (l - rest) + d l' if linear
+    <spring>.angle, .rate, .moment          k (angle - rest) + d angle' if linear, on the body of the first point
     energy.<name>, multipliers.<constraint>, constraint_error, velocity_constraint_error, time
     <motor>.error_integral                  and other first-order states
 
@@ -173,6 +174,11 @@ def _joint(model: Model, name: str) -> Named:
         kind, unit = ("moment", "N m") if direction == "angle" else ("force", "N")
         effort = partial(_driving, name, direction)
         yield f"{name}.{direction}.driving_{kind}", Quantity(unit, effort)
+    for law, parts in (("spring", joint.spring), ("friction", joint.friction), ("stop", joint.limits)):
+        for direction in parts:
+            kind, unit = ("moment", "N m") if direction == "angle" else ("force", "N")
+            effort = partial(_law_in_joint, f"{name}.{direction}.{law}")
+            yield f"{name}.{direction}.{law}_{kind}", Quantity(unit, effort)
 
 
 def _joint_motion(name: str, direction: str, k: int, run: "Run") -> Array:
@@ -184,6 +190,10 @@ def _joint_motion(name: str, direction: str, k: int, run: "Run") -> Array:
 
 def _driving(name: str, direction: str, run: "Run") -> Array:
     return run.forces.driving(name, direction)
+
+
+def _law_in_joint(name: str, run: "Run") -> Array:
+    return -run.forces.spring(name)[2]
 
 
 def _beam(name: str, beam: Beam) -> Named:

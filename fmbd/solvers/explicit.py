@@ -39,6 +39,7 @@ from fmbd.solvers.steps import (
     first_step,
     interpolate,
     is_finite,
+    moved,
     norm,
     pass_breaks,
     plan_next,
@@ -81,10 +82,11 @@ def advance(
             _begin(tableau, mem, breaks, options)
         _point(tableau, mem)
         if count[PHASE] == CLOSING and options.projecting:
+            copy(mem.trial, mem.error)
             taken = project(sys, work, mem.clock[POINT], mem.trial, mem.correction, options.closed)
-            if taken < 0:
-                # too far off the constraints for Newton: a shorter step comes closer
-                if not _reject(mem, 0.25, options):
+            # too far off for Newton, or moved by more than the step's error: the other branch of a fold is not the way on
+            if taken < 0 or moved(mem, options) > 1.0:
+                if not _reject(mem, 0.3, options):
                     return filled, OFF_CONSTRAINTS
                 continue
             count[PROJECTIONS] += taken

@@ -193,7 +193,10 @@ def _reason(system: System, mem: Memory, status: int) -> str:
     if status == NOT_A_NUMBER:
         return f"at {t} the accelerations are not numbers: a signal or an expression has no value there"
     if status == OFF_CONSTRAINTS:
-        return f"at {t} the loops could not be closed again: the mechanism is at a singular configuration"
+        return (
+            f"at {t} the loops could not be closed again: the mechanism is at a singular configuration "
+            "(a larger rtol, or method baumgarte, may pass it)"
+        )
     body = _fastest(system, mem)
     return f"at {t} the step size fell to round-off; {body} changes fastest (a smaller rtol or more damping may help)"
 

@@ -173,6 +173,14 @@ def norm(error: np.ndarray, y0: np.ndarray, y1: np.ndarray, options: Any) -> flo
 
 
 @part
+def moved(mem: Any, options: Any) -> float:
+    """Error norm of what the projection did to mem.trial; mem.error is a copy from before."""
+    for i in range(mem.error.size):
+        mem.error[i] = mem.trial[i] - mem.error[i]
+    return norm(mem.error, mem.y, mem.trial, options)
+
+
+@part
 def euler_step(f0: np.ndarray, mem: Any, options: Any) -> float:
     """Length of the explicit Euler step that feels out the first step: a hundredth of |y| / |f|."""
     d0 = norm(mem.y, mem.y, mem.y, options)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fmbd.planar import laws
 from fmbd.planar.arrays import Planar
 from fmbd.system.reference import Reference
 
@@ -36,13 +37,47 @@ class Motors:
 
 
 def apply_springs(planar: Planar, paths: Paths, x: Array, r: Array) -> tuple[Array, Array, Array]:
-    """K, D (nq+1, nq+1) of the springs that are linear in q, and all else that springs do, f (nq+1,)."""
+    """K, D (nq+1, nq+1) of linear springs and dampers if linear in q, and all else that springs do, f (nq+1,)."""
     springs = planar.springs
     path = springs["pathway"]
     k, d, rows = springs["k"], springs["d"], paths.rows[path]
     K, D = _quadratic(rows, k * paths.linear[path]), _quadratic(rows, d * paths.linear[path])
-    force = -k * (paths.values[path] - springs["rest"]) - d * paths.rates[path]
+    stretch, rates = paths.values[path] - springs["rest"], paths.rates[path]
+    force = -k * stretch - d * rates + nonlinear_forces(planar, stretch, rates)
     return K, D, force @ rows + _without_time(K, x) + _without_time(D, r)
+
+
+def nonlinear_forces(planar: Planar, stretch: Array, rates: Array) -> Array:
+    """What the laws of the springs (see planar.laws) add to linear ones, shape (springs,)."""
+    force = np.zeros(stretch.size)
+    for index, spring in enumerate(planar.springs):
+        s, v = stretch[index], rates[index]
+        match int(spring["kind"]):
+            case laws.STOP:
+                lower, upper, stiffness, damping, transition = spring["p"]
+                for side, depth in ((-1.0, s - upper), (1.0, lower - s)):
+                    push = np.maximum(1.0 - side * damping * v, 0.0)
+                    force[index] += side * stiffness * _taken_up(depth, transition)[0] * push
+            case laws.BACKLASH:
+                lower, upper, stiffness, damping, transition = spring["p"]
+                ahead, back = _taken_up(s - upper, transition), _taken_up(lower - s, transition)
+                force[index] = stiffness * (back[0] - ahead[0]) - damping * (back[1] + ahead[1]) * v
+            case laws.FRICTION:
+                coulomb, static, stribeck, transition, _ = spring["p"]
+                share = np.exp(-np.square(v / stribeck))
+                force[index] = -(share * static + (1.0 - share) * coulomb) * np.tanh(v / transition)
+            case laws.TABLE:
+                pieces = planar.curves[spring["start"] :][: spring["count"]]
+                s0, *c, _ = pieces[max(np.searchsorted(pieces[:, 0], s, "right") - 1, 0)]
+                force[index] = -np.polyval(c[::-1], s - s0)
+    return force
+
+
+def _taken_up(depth: float, transition: float) -> tuple[float, float]:
+    """Depth taken up behind the end of a gap, rounded over the transition, and its derivative by the depth."""
+    share = min(max(depth / transition + 0.5, 0.0), 1.0)
+    rounded = transition * float(np.polyval([-0.5, 1.0, 0.0, 0.0, 0.0], share))
+    return rounded + max(depth - 0.5 * transition, 0.0), float(np.polyval([-2.0, 3.0, 0.0, 0.0], share))
 
 
 def apply_motors(planar: Planar, paths: Paths, r: Array, signals: Array, z: Array, online: Array) -> Motors:

@@ -5,7 +5,7 @@ constraints of the cut joints, given joint values, given places. Solved by a dam
 full guess, from several starting points, so that other assembly modes are seen.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,9 +93,10 @@ class RigidMechanism:
         moved = jacobian[b] - jacobian[a]
         return ex * dx + ey * dy, ex * moved[0] + ey * moved[1] + (ex * dy - ey * dx) * jacobian[a, 2]
 
-    def coordinate(self, q: Array, joint: str, direction: str) -> tuple[float, Array]:
-        """A joint's coordinate at q, and its gradient (nq+1,)."""
-        return self._coordinate(joint, direction, *self.reference.stations(q, 0.0))
+    def coordinates(self, q: Array, wanted: Sequence[tuple[str, str]]) -> list[tuple[float, Array]]:
+        """Coordinates of joints, as (joint, direction), at q, and their gradients (nq+1,)."""
+        stations = self.reference.stations(q, 0.0) if wanted else ()
+        return [self._coordinate(*pair, *stations) for pair in wanted]
 
     def solve(
         self,

@@ -54,8 +54,11 @@ def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constra
         for c in columns:
             slot[i, c] = len(slot)
     ground_slot0 = len(slot)
+    together = [open_[i] for i, parent in enumerate(parents) if parent == GROUND]
+    ground = banded(ground, together)
     for c in ground:
         slot[GROUND, c] = len(slot)
+    base, stride, band, size = lay_out(ground, together, block)
     constraint_terms = {}
     for c, constraint in enumerate(constraints):
         path = pathways[constraint["pathway"]]
@@ -75,7 +78,44 @@ def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constra
         if i != GROUND:
             slots[k].first_row = bodies[i].row0
             row0 += int(bodies[i].nrow)
-    return {"slots": slots, "slot_rows": row0, "ground_slot0": ground_slot0, "ground_block0": block}
+    return {
+        "slots": slots,
+        "slot_rows": row0,
+        "ground_slot0": ground_slot0,
+        "ground_base": base,
+        "ground_stride": stride,
+        "ground_band": band,
+        "block_size": size,
+    }
+
+
+def banded(columns: list[int], together: Sequence[Sequence[int]]) -> list[int]:
+    """The ground's columns in an order that keeps those that occur together close to each other."""
+    if len(columns) < 16:
+        return columns
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    number = {c: k for k, c in enumerate(columns)}
+    pairs = [(number[a], number[b]) for group in together for a in group for b in group]
+    rows, cols = np.array(pairs).T
+    graph = coo_array((np.ones(len(pairs)), (rows, cols)), shape=(len(columns), len(columns)))
+    return [columns[k] for k in reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)]
+
+
+def lay_out(
+    columns: Sequence[int], together: Sequence[Sequence[int]], start: int
+) -> tuple[int, int, int, int]:
+    """Base, stride and band of a matrix stored from `start` on: entry (m, j) at base + m stride + j; and the end.
+
+    With stride 2 band and base start + band, the entries of a band matrix lie side by side.
+    """
+    n, number = len(columns), {c: k for k, c in enumerate(columns)}
+    places = [[number[c] for c in group] for group in together]
+    band = max((max(group) - min(group) for group in places if group), default=0)
+    if 2 * band + 1 >= n:
+        return start, n, n, start + n * n
+    return start + band, 2 * band, band, start + n * (2 * band + 1)
 
 
 def _touched(stations: Any, terms: Any, pathway: Any) -> set[int]:

@@ -23,7 +23,7 @@ from fmbd.planar.tangent_arrays import (
     TURN,
     Couplings,
 )
-from fmbd.system.columns import GROUND, closing_body
+from fmbd.system.columns import GROUND, banded, closing_body, lay_out
 
 
 @dataclass
@@ -36,7 +36,10 @@ class Shares:
     closed: list[int]
     block0: list[int]
     ground: int
-    ground_block0: int
+    base: int
+    stride: int
+    band: int
+    block_size: int
 
 
 def share_out(parents: Sequence[int], touched: Sequence[set[int]]) -> Shares:
@@ -54,16 +57,19 @@ def share_out(parents: Sequence[int], touched: Sequence[set[int]]) -> Shares:
                 body = parents[body]
         for body in alive:
             open_[body].append(link)
-    out = Shares([], [], [], [len(links) for links in closed], [], 0, 0)
+    out = Shares([], [], [], [len(links) for links in closed], [], 0, 0, 0, 0, 0)
     for i in range(len(parents)):
         mine = closed[i] + open_[i]
         out.first.append(len(out.pairs))
         out.count.append(len(mine))
-        out.block0.append(out.ground_block0)
-        out.ground_block0 += len(mine) ** 2
+        out.block0.append(out.block_size)
+        out.block_size += len(mine) ** 2
         out.pairs += [(i, link) for link in mine]
     out.ground = len(out.pairs)
+    together = [open_[i] for i, parent in enumerate(parents) if parent == GROUND]
+    ground = banded(ground, together)
     out.pairs += [(GROUND, link) for link in ground]
+    out.base, out.stride, out.band, out.block_size = lay_out(ground, together, out.block_size)
     return out
 
 
@@ -182,7 +188,10 @@ def _place(
         tension_link,
         command_link,
         shares.ground,
-        shares.ground_block0,
+        shares.base,
+        shares.stride,
+        shares.band,
+        shares.block_size,
         all(
             terms[j].kind == ANGLE or (kind == MULTIPLIER and terms[j].kind in (WORLD_X, WORLD_Y))
             for kind, _, pieces in links

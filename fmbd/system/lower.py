@@ -18,6 +18,7 @@ from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, WORLD_X, WORLD
 from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
 from fmbd.system.columns import place_columns
 from fmbd.system.signals import SignalTable
+from fmbd.system.springs import SpringTable
 from fmbd.system.tree import Link, Tree, spanning_tree
 
 #: Elements of one beam, and output times of one run.
@@ -46,8 +47,7 @@ class Lowered:
     turning: set[tuple[str, str]] = field(default_factory=set)  # stations whose angle matters
     pathways: dict[Any, int] = field(default_factory=dict)
     terms: list[list[Term]] = field(default_factory=list)
-    springs: list[tuple[int, float, float, float]] = field(default_factory=list)
-    spring_names: list[str] = field(default_factory=list)
+    springs: SpringTable = field(default_factory=SpringTable)
     rest_at_start: list[int] = field(default_factory=list)
     rest_nearby: list[int] = field(default_factory=list)  # springs to start within half a turn of rest
     cut_angles: list[tuple[int, str]] = field(
@@ -200,16 +200,18 @@ def _modal_damping(damping: Any, omega2: np.ndarray) -> np.ndarray:
 
 
 def _joints(out: Lowered) -> None:
-    """Stations of all joints; springs and friction in them."""
+    """Stations of all joints; springs, friction and stops in them."""
     for name, joint in out.model.joints.items():
         for ref in joint.between:
             out.station(ref.body, ref.point)
-        for direction in sorted({*joint.spring, *joint.friction}):
-            spring = joint.spring.get(direction)
-            k, d, rest = (spring.stiffness, spring.damping, spring.rest) if spring else (0.0, 0.0, 0.0)
-            path = out.joint_pathway(name, direction)
-            out.springs.append((path, k, d + joint.friction.get(direction, 0.0), rest))
-            out.spring_names.append(f"{name}.{direction}")
+        for direction in sorted({*joint.spring, *joint.friction, *joint.limits}):
+            path, coordinate = out.joint_pathway(name, direction), f"{name}.{direction}"
+            if spring := joint.spring.get(direction):
+                out.springs.add_spring(f"{coordinate}.spring", path, spring, spring.rest)
+            if friction := joint.friction.get(direction):
+                out.springs.add_friction(f"{coordinate}.friction", path, friction)
+            if limits := joint.limits.get(direction):
+                out.springs.add_stops(f"{coordinate}.stop", path, limits)
 
 
 def place_point(model: Model, name: str) -> tuple[str, str]:
@@ -247,10 +249,7 @@ def _motors(out: Lowered) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
             if motor.transmission is not None:
                 twist = [(*rotor[:4], 1.0 / ratio), out.joint_term(motor.joint, direction, -1.0)]
                 out.relaxed.append(out.pathway(twist))
-                out.springs.append(
-                    (out.relaxed[-1], motor.transmission.stiffness, motor.transmission.damping, 0.0)
-                )
-                out.spring_names.append(f"{name}.transmission")
+                out.springs.add_spring(f"{name}.transmission", out.relaxed[-1], motor.transmission)
         record: dict[str, Any] = {
             "pathway": shaft,
             "joint_pathway": joint_path,
@@ -345,8 +344,7 @@ def _springs(out: Lowered) -> None:
             path = out.own_pathway(terms)
         else:
             path = out.pathway(terms)
-        out.springs.append((path, spring.stiffness, spring.damping, rest or 0.0))
-        out.spring_names.append(name)
+        out.springs.add_spring(name, path, spring, rest or 0.0)
 
 
 def _through_loop(out: Lowered, first: str, second: str) -> bool:
@@ -449,14 +447,15 @@ def _assemble(
     parts |= place_columns(parts["bodies"], parts["stations"], terms, pathways, parts["constraints"])
     place_hung(parts["bodies"])
     parts["loads"] = fill(arrays.LOAD, [load | {"station": out.stations[load["station"]]} for load in loads])
-    springs = [dict(zip(("pathway", "k", "d", "rest"), s, strict=True)) for s in out.springs]
+    springs, curves = out.springs.lower()
     signals, program, table = out.signals.lower()
     out.planar = Planar(
         nq=len(out.coordinates),
         gravity=np.array(out.model.gravity, float),
         terms=terms,
         pathways=pathways,
-        springs=fill(arrays.SPRING, springs),
+        springs=springs,
+        curves=curves,
         motors=fill(arrays.MOTOR, motors),
         controllers=fill(arrays.CONTROLLER, controllers),
         signals=signals,

@@ -12,6 +12,7 @@ import numpy as np
 
 from fmbd.model import ControllerRef, GravityCompensation, Placement
 from fmbd.model.controllers import Controller
+from fmbd.planar.laws import STOP
 from fmbd.system.closure import CLOSED, Closure, RigidMechanism, turns
 from fmbd.system.lower import Lowered, motor_coordinate
 from fmbd.system.matrices import gravity_compensation
@@ -46,6 +47,7 @@ def solve_start(lowered: Lowered, reference: Any) -> Start:
     v = _rates(lowered, mechanism, reference, q)
     if lowered.planar.pathways.size:
         _relax_pathways(lowered, reference, q)
+        _remark_stops(lowered, reference, q, remarks)
     return Start(q, v, np.zeros(len(lowered.states)), tuple(remarks))
 
 
@@ -69,6 +71,15 @@ def _relax_pathways(lowered: Lowered, reference: Any, q: Array) -> None:
     for index in lowered.rest_at_start:
         spring = lowered.planar.springs[index]
         spring.rest = values[spring.pathway]
+
+
+def _remark_stops(lowered: Lowered, reference: Any, q: Array, remarks: list[str]) -> None:
+    values, _ = reference.pathways(q, 0.0)
+    for name, stop in zip(lowered.springs.names, lowered.planar.springs, strict=True):
+        lower, upper = stop.p[:2]
+        value = values[stop.pathway]
+        if stop.kind == STOP and not lower <= value <= upper:
+            remarks.append(f"{name.removesuffix('.stop')} starts behind its stop, at {value:.6g}")
 
 
 def _by_coordinate(values: Mapping[str, Mapping[Any, float]]) -> dict[tuple[str, str], float]:
@@ -148,12 +159,12 @@ def _set_branches(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q
     """Count the angle of a cut joint from the turn nearest to what drives it, is given or hinted, or 0."""
     initial = lowered.model.initial
     given = _by_coordinate(initial.hints) | _by_coordinate(initial.joints)
-    for joint in lowered.tree.cut:
+    angles = mechanism.coordinates(q, [(joint, "angle") for joint in lowered.tree.cut])
+    for joint, (angle, _) in zip(lowered.tree.cut, angles, strict=True):
         drive = lowered.model.joints[joint].driven.get("angle")
         near = given.get((joint, "angle"), 0.0)
         if drive is not None:
             near = reference.signal(lowered.signals.add(drive), 0.0)[0]
-        angle = mechanism.coordinate(q, joint, "angle")[0]
         lowered.turns[joint] = float(turns(angle - near))
     for index, joint in lowered.cut_angles:
         path = lowered.planar.pathways[index]
@@ -181,8 +192,10 @@ def _rotors(lowered: Lowered) -> list[tuple[int, float, str, str]]:
 def _relax_rotors(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array) -> Array:
     """Rotors start where their transmissions are relaxed: phi = r theta."""
     q = q.copy()
-    for index, ratio, joint, direction in _rotors(lowered):
-        q[index] = ratio * mechanism.coordinate(q, joint, direction)[0]
+    rotors = _rotors(lowered)
+    at_joints = mechanism.coordinates(q, [(joint, direction) for _, _, joint, direction in rotors])
+    for (index, ratio, _, _), (value, _) in zip(rotors, at_joints, strict=True):
+        q[index] = ratio * value
     return q
 
 
@@ -200,8 +213,7 @@ def _rates(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array
             row = gradients[constraint["pathway"]]
             rows.append(row[:nq])
             wanted.append(-row[nq] - drive)
-    for (joint, direction), rate in given.items():
-        row = mechanism.coordinate(q, joint, direction)[1]
+    for rate, (_, row) in zip(given.values(), mechanism.coordinates(q, list(given)), strict=True):
         rows.append(row[:nq])
         wanted.append(rate - row[nq])
     v = np.zeros(nq)
@@ -214,8 +226,9 @@ def _rates(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array
                 ("initial", "rates"),
                 f"the rates given contradict the closed loops (by {miss:.3g}): leave some out",
             )
-    for index, ratio, joint, direction in _rotors(lowered):
-        row = mechanism.coordinate(q, joint, direction)[1]
+    rotors = _rotors(lowered)
+    at_joints = mechanism.coordinates(q, [(joint, direction) for _, _, joint, direction in rotors])
+    for (index, ratio, _, _), (_, row) in zip(rotors, at_joints, strict=True):
         v[index] = ratio * (row[:nq] @ v + row[nq])
     return v
 
@@ -277,7 +290,7 @@ def _move(
     """Follow the targets from the start position."""
     model = system.lowered.model
     q = system.start.q * ~system.elastic
-    from_held = {key: mechanism.coordinate(q, *key)[0] for key in held}
+    from_held = dict(zip(held, (value for value, _ in mechanism.coordinates(q, list(held))), strict=True))
     position = system.reference.stations(q, 0.0)[0]
     points = {name: position[system.station_of_place(name)] for name in places}
     for share in np.linspace(0.0, 1.0, 21)[1:]:

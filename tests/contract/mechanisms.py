@@ -35,12 +35,13 @@ joints:
   slot: {type: pin_in_slot, between: [rocker.slot, crank.tip], axis: [1, 0.05],
          friction: {x: 2, angle: 0.01}, spring: {x: {stiffness: 30, damping: 1, rest: -0.05}}}
   wrist: {type: revolute, between: [rocker.end, link.start], spring: {stiffness: 0.5, rest: -1}}
-  pin: {type: revolute, between: [ram.pin, link.end], friction: 0.02}
+  pin: {type: revolute, between: [ram.pin, link.end],
+        friction: {viscous: 0.02, coulomb: 0.05, static: 0.08, stribeck_speed: 1, transition_speed: 0.1}}
   guide: {type: prismatic, between: [ram.guide, ground.W], friction: 3}
   shake: {type: prismatic, between: [weight.origin, crank.back], driven: "0.02*sin(9*t) + 0.1*t"}
 springs:
   cord: {type: point_to_point, between: [rocker.end, ground.O], stiffness: 40, damping: 1, rest_length: 0.3}
-  twist: {type: torsional, between: [link.start, crank.tip], stiffness: 0.3, damping: 0.01}
+  twist: {type: torsional, between: [link.start, crank.tip], stiffness: 0.3, damping: 0.01, backlash: 0.1}
 loads:
   cutting: {type: force, at: ram.pin, force: ["-4*cos(5*t)", 1], frame: fixed}
   blow: {type: force, at: rocker.end, force: [0.5, "2*t"], frame: following}

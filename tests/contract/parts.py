@@ -110,6 +110,18 @@ SAMPLES = {
         "type: revolute, spring: {stiffness: 4, damping: 0.1, rest: 0.2}", "hip: 0.5", "hip: 2", "elastic"
     ),
     "joints.revolute friction": _joint("type: revolute, friction: 0.2", "hip: 0.5", "hip: 2", "dissipated"),
+    "joints.revolute dry friction": _joint(
+        "type: revolute, friction: {viscous: 0.02, coulomb: 0.2, static: 0.3, stribeck_speed: 0.4}",
+        "hip: 0.5",
+        "hip: 2",
+        "dissipated",
+    ),
+    "joints.revolute stops": _joint(
+        "type: revolute, limits: {lower: 0.45, upper: 0.55, stiffness: 90, damping: 0.3, transition: 0.01}",
+        "hip: 0.5",
+        "hip: 2",
+        "elastic",
+    ),
     "joints.revolute driven": _joint('type: revolute, driven: "0.5 + sin(4*t)"', "", "", "work"),
     "joints.revolute backwards": _sample(
         "joints: {hip: {type: revolute, between: [arm.hand, base.hip], spring: {stiffness: 3}}}", "elastic"
@@ -117,6 +129,12 @@ SAMPLES = {
     "joints.prismatic": _joint(
         "type: prismatic, axis: [1, 1], spring: {stiffness: 40, damping: 1, rest: 0.1}",
         "hip: 0.05",
+        "hip: 0.4",
+        "elastic",
+    ),
+    "joints.prismatic backlash": _joint(
+        "type: prismatic, axis: [1, 1], spring: {stiffness: 90, damping: 1, rest: 0.03, backlash: 0.04}",
+        "hip: 0.03",
         "hip: 0.4",
         "elastic",
     ),
@@ -153,12 +171,30 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
         "hip: {x: 0.3, y: 0.2, angle: -0.8}",
         "elastic",
     ),
+    "joints.free laws": _joint(
+        """type: free, axis: [1, 2], friction: {y: {coulomb: 0.2, transition_speed: 0.05}},
+           limits: {x: {upper: 0.12, stiffness: 200, damping: 1}, angle: {lower: 0.6, stiffness: 3}},
+           spring: {y: {force_table: [[-0.1, -4], [0, 0], [0.05, 0.5], [0.1, 5]], damping: 0.1}}""",
+        "hip: {x: 0.1, y: -0.05, angle: 0.7}",
+        "hip: {x: 0.3, y: 0.2, angle: -0.8}",
+        "elastic",
+    ),
     "joints.free driven": _joint(
         'type: free, driven: {x: "0.1*t", y: "0.2*t*t", angle: "sin(3*t)"}', "", "", "work"
     ),
     "springs.point_to_point": _spring("type: point_to_point, stiffness: 50, damping: 2, rest_length: 0.5"),
     "springs.point_to_point relaxed": _spring("type: point_to_point, stiffness: 50, damping: 2"),
+    "springs.point_to_point backlash": _spring(
+        "type: point_to_point, stiffness: 200, damping: 4, backlash: {gap: 0.02, transition: 0.02}"
+    ),
+    "springs.point_to_point table": _spring(
+        "type: point_to_point, force_table: [[-0.2, -9], [0, 1], [0.05, 3], [0.1, 2], [0.3, 20]], damping: 0.5"
+    ),
     "springs.torsional": _spring("type: torsional, stiffness: 5, damping: 0.3, rest_angle: 1"),
+    "springs.torsional table": _spring(
+        "type: torsional, force_table: {points: [[-0.5, -3], [0, 0.5], [2, 1]], interpolation: linear}, rest_angle: 1"
+    ),
+    "springs.torsional backlash": _spring("type: torsional, stiffness: 9, damping: 0.05, backlash: 0.1"),
     "loads.force": _load('type: force, at: arm.hand, force: ["3*cos(6*t)", 2]'),
     "loads.force following": _load('type: force, at: arm.hand, force: ["3*cos(6*t)", 2], frame: following'),
     "loads.moment": _load('type: moment, at: arm.hand, moment: "0.4 + t"'),
@@ -171,6 +207,9 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     "motors.dc": _motor(f"{DC}, gear_ratio: 3, voltage: '4*cos(5*t)'"),
     "motors.dc rigid": _motor(f"{DC}, {ROTOR}, voltage: 4"),
     "motors.dc elastic": _motor(f"{DC}, {ROTOR}, transmission: {{stiffness: 4, damping: 0.2}}, voltage: 4"),
+    "motors.dc backlash": _motor(
+        f"{DC}, {ROTOR}, transmission: {{stiffness: 40, damping: 0.2, backlash: 0.02}}, voltage: '9*cos(20*t)'"
+    ),
     "motors.dc inductance": _motor(f"{DC}, {ROTOR}, inductance: 0.02, voltage: 4"),
     "motors.torque": _motor("type: torque, torque: '0.3*cos(5*t)'"),
     "motors.torque elastic": _motor(f"type: torque, {ROTOR}, transmission: {{stiffness: 40}}, torque: 0.2"),

@@ -21,6 +21,7 @@ TIMES = np.linspace(0.0, 0.3, 4)
 #: The start of each coordinate, its rate there, and a motion that has both; the angle is more than half a turn.
 START = {"x": (0.11, 0.4), "y": (-0.07, -0.3), "angle": (3.9, 1.2)}
 DRIVEN = {"x": "0.11 + 0.1*sin(4*t)", "y": "-0.07 - 0.3*t + 0.2*t**3", "angle": "3.9 + 0.6*sin(2*t)"}
+STOP = {"stiffness": 20, "damping": 0.5, "transition": 0.02}
 
 MODEL = """
 fmbd: 1
@@ -56,7 +57,8 @@ def model(bodies: str, kind: str, driven: tuple[str, ...], cut: str) -> dict[str
     joint = data["joints"]["joint"] = {"type": kind, "between": ["a.tip", "b.pin"], "axis": [1, 0.4]}
     if free:
         joint["spring"] = {c: {"stiffness": 6, "damping": 0.2, "rest": 0.05} for c in free}
-        joint["friction"] = dict.fromkeys(free, 0.1)
+        joint["friction"] = {c: {"viscous": 0.1, "coulomb": 0.02, "transition_speed": 0.1} for c in free}
+        joint["limits"] = {c: {"lower": START[c][0] - 0.02, "upper": START[c][0] + 0.02} | STOP for c in free}
         data["initial"]["joints"]["joint"] = {c: START[c][0] for c in free}
         data["initial"]["rates"]["joint"] = {c: START[c][1] for c in free}
     if driven:

@@ -94,7 +94,9 @@ def test_a_spring_without_length_pulls_from_all_sides():
     S, x = 10.0, np.zeros(3)
     weights, force = np.array([1.0 / S, 1.0, S, 1.0 / S]), np.array([3.0, 4.0, 0.0])
     no = zero[:0]
-    solve_linearised(planar, coupled, system.work, tangent, zero, zero, weights, zero, zero, force, no, x, no.copy())
+    solve_linearised(
+        planar, coupled, system.work, tangent, zero, zero, weights, zero, zero, force, no, x, no.copy()
+    )
     np.testing.assert_allclose(x, force / (2.0 * S + 50.0 / S), rtol=1e-14)
 
 

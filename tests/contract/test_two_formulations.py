@@ -32,8 +32,10 @@ bodies:
           points: {tip: {at: [0.3, 0], angle: 0.2}}}
 joints:
   rail: {type: prismatic, between: [ground.P, cart.a], axis: [1, 2],
-         spring: {stiffness: 40, damping: 2, rest: 0.05}}
-  hinge: {type: revolute, between: [arm.mid, cart.b], friction: 0.2}
+         spring: {stiffness: 40, damping: 2, rest: 0.05, backlash: 0.2},
+         limits: {lower: -0.1, upper: 0.05, stiffness: 70, damping: 0.4, transition: 0.1}}
+  hinge: {type: revolute, between: [arm.mid, cart.b],
+          friction: {viscous: 0.2, coulomb: 1, static: 3, stribeck_speed: 2, transition_speed: 0.7}}
   pin: {type: pin_in_slot, between: [rod.mid, arm.far], axis: [2, -1],
         spring: {x: {stiffness: 30, damping: 1, rest: 0.02}, angle: {stiffness: 3, damping: 0.1, rest: 0.1}}}
   shove: {type: prismatic, between: [rod.end, slider.c], driven: "0.1*sin(3*t) + 0.05*t"}
@@ -46,6 +48,9 @@ joints:
 springs:
   cord: {type: point_to_point, between: [arm.end, puck.e], stiffness: 50, damping: 1.5, rest_length: 0.4}
   twist: {type: torsional, between: [rod.start, puck.origin], stiffness: 4, damping: 0.2, rest_angle: 0.3}
+  worn: {type: torsional, between: [rod.end, crank.tip], stiffness: 9, damping: 1,
+         backlash: {gap: 0.2, transition: 0.2}}
+  rubber: {type: point_to_point, between: [cart.a, slider.c], force_table: [[-0.5, -9], [0, 1], [0.2, 0], [0.5, 7]]}
 loads:
   pull: {type: force, at: arm.start, force: ["2*cos(t)", 1.5], frame: following}
   push: {type: force, at: slider.origin, force: [0.4, "t"]}
@@ -55,7 +60,7 @@ loads:
 motors:
   a: {type: dc, joint: rail, gear_ratio: 5, resistance: 2, torque_constant: 0.5, voltage: law}
   b: {type: dc, joint: fly, gear_ratio: 7, rotor_inertia: 0.01, resistance: 3, inductance: 0.1,
-      torque_constant: 0.4, back_emf: 0.3, transmission: {stiffness: 30, damping: 0.4}, voltage: law}
+      torque_constant: 0.4, back_emf: 0.3, transmission: {stiffness: 30, damping: 0.4, backlash: 0.2}, voltage: law}
   c: {type: torque, joint: wag, gear_ratio: 4, rotor_inertia: 0.002, torque: follow}
   d: {type: dc, joint: groove, resistance: 3, torque_constant: 0.4, voltage: "sin(t)"}
 controllers:

@@ -228,6 +228,35 @@ def test_a_spring_of_no_rest_length_is_as_stiff_across():
     assert_allclose(2 * np.pi * natural_frequencies(system), [0, 5, 5], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("law", "start", "stiffness"),
+    [
+        ({"spring": {"stiffness": 50, "backlash": 0.2}}, 0.05, 0),
+        ({"spring": {"stiffness": 50, "backlash": 0.2}}, 0.3, 50),
+        ({"limits": {"upper": 0.1, "stiffness": 50}}, 0.1, 25),
+        ({"spring": {"force_table": [[0, 0], [0.1, 5], [0.2, 0]]}}, 0.3, 0),
+        ({"spring": {"force_table": [[0, 0], [0.1, 8]]}, "friction": {"coulomb": 1}}, 0.3, 80),
+    ],
+)
+def test_other_laws_count_with_their_tangent(law, start, stiffness):
+    """Free in the gap; half the stiffness in the middle of a transition; a force that falls holds nothing."""
+    joint = {"type": "prismatic", "between": ["ground.origin", "disc.origin"]}
+    system = build(
+        bodies={"disc": {"type": "rigid", "mass": 2.0, "inertia": 0.1}},
+        joints={"rail": joint | law},
+        initial={"joints": {"rail": start}},
+    )
+    assert_allclose((2 * np.pi * natural_frequencies(system)) ** 2, stiffness / 2, rtol=1e-12)
+
+
+def test_a_start_behind_a_stop_is_remarked():
+    stops = {"lower": 0.1, "stiffness": 50}
+    joint = {"type": "prismatic", "between": ["ground.origin", "disc.origin"], "limits": stops}
+    disc = {"type": "rigid", "mass": 2.0, "inertia": 0.1}
+    system = build(bodies={"disc": disc}, joints={"rail": joint})
+    assert system.start.remarks == ("rail.x starts behind its stop, at 0",)
+
+
 def test_a_coordinate_without_mass_has_no_frequency():
     massless = {"type": "rigid", "mass": 0, "inertia": 0}
     system = build(bodies={"ghost": massless}, joints={"hinge": revolute("ground.origin", "ghost.origin")})

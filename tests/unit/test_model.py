@@ -7,11 +7,15 @@ from pathlib import Path
 import pytest
 
 from fmbd.model import (
+    Backlash,
     Beam,
     Constant,
     ControllerRef,
     DCMotor,
+    ForceTable,
+    Friction,
     GravityCompensation,
+    Limits,
     Placement,
     PointRef,
     RigidBody,
@@ -221,8 +225,9 @@ class TestBeams:
 class TestJoints:
     BALL = "  ball: {type: rigid, mass: 1, inertia: 1}"
 
-    def joint(self, keys):
-        return model(bodies=self.BALL, joints=f"  j: {{between: [arm.A, ball.origin], {keys}}}").joints["j"]
+    def joint(self, keys, path=None):
+        joint = f"  j: {{between: [arm.A, ball.origin], {keys}}}"
+        return model(bodies=self.BALL, joints=joint, path=path).joints["j"]
 
     @pytest.mark.parametrize(
         ("kind", "coordinates", "of_motor"),
@@ -257,8 +262,31 @@ class TestJoints:
 
     def test_several_coordinates_are_named(self):
         joint = self.joint("type: pin_in_slot, friction: {x: 1, angle: 2}, driven: {angle: t}")
-        assert joint.friction == {"x": 1.0, "angle": 2.0}
+        assert {name: law.viscous for name, law in joint.friction.items()} == {"x": 1.0, "angle": 2.0}
         assert list(joint.driven) == ["angle"]
+
+    def test_laws_are_by_coordinate_and_as_short_as_can_be(self):
+        joint = self.joint(
+            "type: pin_in_slot, friction: {x: {coulomb: 1}, angle: 2*half}, limits: {x: {lower: 0, stiffness: 9}}"
+        )
+        assert joint.friction == {"x": Friction(coulomb=1.0, static=1.0), "angle": Friction(viscous=0.5)}
+        assert joint.limits == {"x": Limits(lower=0.0, stiffness=9.0)}
+        joint = self.joint("type: revolute, friction: {coulomb: 1}, spring: {stiffness: 2, backlash: 0.5}")
+        assert joint.friction["angle"].static == 1.0
+        assert joint.spring["angle"].backlash == Backlash(gap=0.5, transition=0.05)
+
+    def test_a_force_table_stands_in_the_model_or_beside_it(self, tmp_path):
+        (tmp_path / "rubber.csv").write_text("N, mm, m\n-1, 0, 0\n5, 500, 0.5\n")
+        table = ForceTable((0.0, 0.5), (-1.0, 5.0), "monotone")
+        for written in (
+            "[[0, -1], [l, 5]]",
+            "{points: [[0, -1], [l, 5]]}",
+            "{file: rubber.csv, stretch: m, force: 0}",
+        ):
+            joint = self.joint(f"type: revolute, spring: {{force_table: {written}}}", tmp_path / "m.yaml")
+            assert joint.spring["angle"].force_table == table
+        joint = self.joint("type: revolute, spring: {force_table: rubber.csv}", tmp_path / "m.yaml")
+        assert joint.spring["angle"].force_table.stretches == (-1.0, 5.0)
 
 
 class TestSignals:

@@ -17,7 +17,7 @@ def problems(text, path=None):
 
 
 class TestTables:
-    """A table of a signal is a CSV file below the model's folder."""
+    """A table of a signal, or of a spring's force, is a CSV file below the model's folder."""
 
     def reading(self, folder, name="drive.csv", keys=""):
         signal = f"{{type: table, file: {name!r}, {keys}}}"
@@ -46,6 +46,21 @@ class TestTables:
         (tmp_path / "drive.csv").write_text("time,voltage\n0,1\n1,2\n")
         assert "unknown column 'volt', did you mean 'voltage'?" in self.reading(tmp_path, keys="value: volt")
         assert "drive.csv has columns 0 to 1, not 2" in self.reading(tmp_path, keys="value: 2")
+
+    @pytest.mark.parametrize(
+        ("name", "message"),
+        [
+            ("falls.csv", "falls.csv:3: the stretch 0 does not increase (before: 1)"),
+            ("../secret.csv", "../secret.csv: the file must lie in the model's folder"),
+            ("none.csv", "none.csv: there is no such file in the model's folder"),
+        ],
+    )
+    def test_the_force_of_a_spring_is_read_as_carefully(self, tmp_path, name, message):
+        (tmp_path / "falls.csv").write_text("m,N\n1,1\n0,2\n")
+        body = "bodies: {b: {type: rigid, mass: 1, inertia: 1}}"
+        joint = f"{{type: prismatic, between: [ground.origin, b.origin], spring: {{force_table: {name}}}}}"
+        (line,) = problems(f"fmbd: 1\n{body}\njoints: {{j: {joint}}}", tmp_path / "m.yaml")
+        assert line.endswith(f"joints.j.spring.force_table: {message}")
 
     @pytest.mark.parametrize("name", ["../secret.csv", "link.csv", "/etc/hostname", "loop"])
     def test_files_elsewhere_are_out_of_reach(self, tmp_path, name):

@@ -48,7 +48,12 @@ def test_order_on_the_five_bar(method, order):
 
 def test_order_with_inputs_that_vary():
     """The time derivative of the equations counts in a linearly implicit method."""
-    push = {"type": "force", "at": "rod_right.end", "force": ["5*sin(40*t)", "cos(60*t)**2"], "frame": "fixed"}
+    push = {
+        "type": "force",
+        "at": "rod_right.end",
+        "force": ["5*sin(40*t)", "cos(60*t)**2"],
+        "frame": "fixed",
+    }
     changes = {"loads": {"push": push}}
     assert measured_order("five_bar.yaml", "rodas5p", 0.1, (200, 280, 400), changes) > 4.7
 
