@@ -8,7 +8,7 @@ so that an acceleration asks for (0, 0, 1), statics for (1, 0, 0), an implicit s
     y              of a row of a flexible body: R x
     turn, lift     (a, p, u) of a station per unit of its body's theta, per unit of its row of deflection
     swing, along   (a, p, u) of a joint's inner station per unit of theta of its axes, of x along each
-    H, HY          wrench that a body asks for, about its frame's origin: dW = H X + HY^T y + (g times the links' unknowns)
+    H, HY          wrench that a body asks for, about its frame's origin: dW = H X + HY^T y + (g times links' unknowns)
     PX, P          forces that it asks for on its rows: phi = PX X + P y + (share_g times the links' unknowns)
     N              R diag(1/D) R^T,   D = ba + bv d + bq (omega^2 - w^2)
     g, h           a link's column and row in a body; share_g, share_h the same on its rows

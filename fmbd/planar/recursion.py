@@ -90,7 +90,9 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
     n = slots.size - sys.ground_slot0
     if n > 0:
         slot0, base, stride, band = sys.ground_slot0, sys.ground_base, sys.ground_stride, sys.ground_band
-        close_loops(frames[0], False, slots, block, sys.constraints, reactions, slot0, n, n, base, stride, band)
+        close_loops(
+            frames[0], False, slots, block, sys.constraints, reactions, slot0, n, n, base, stride, band
+        )
         open_loops(slots, block, reactions, slot0, n, n, base, stride, band, 0.0, 0.0, 0.0)
     for i in range(sys.bodies.size):
         b, f = sys.bodies[i], frames[i]

@@ -97,7 +97,9 @@ def _clear_shares(cp: Any, tan: Any) -> None:
             tan.block[place.block0 + m * place.nslot + m] = tan.diagonal[cp.shares[place.slot0 + m].link]
     n = cp.shares.size - cp.ground_share0
     for m in range(n):
-        tan.block[cp.ground_base + m * cp.ground_stride + m] = tan.diagonal[cp.shares[cp.ground_share0 + m].link]
+        tan.block[cp.ground_base + m * cp.ground_stride + m] = tan.diagonal[
+            cp.shares[cp.ground_share0 + m].link
+        ]
 
 
 @part
@@ -290,7 +292,17 @@ def _eliminate_rows(b: Any, tb: Any, place: Any, tan: Any) -> bool:
 
 
 @part
-def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, base: int, stride: int, band: int
+def _close(
+    tb: Any,
+    on_body: bool,
+    cp: Any,
+    tan: Any,
+    slot0: int,
+    n: int,
+    closed: int,
+    base: int,
+    stride: int,
+    band: int,
 ) -> None:
     """Eliminate the links that close here: block . unknown + h . X = rhs; the block as in planar.loops."""
     block = tan.block

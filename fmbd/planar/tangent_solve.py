@@ -251,7 +251,17 @@ def _into_links(W: Any, place: Any, cp: Any, tan: Any) -> None:
 
 
 @part
-def _close(tb: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, base: int, stride: int, band: int
+def _close(
+    tb: Any,
+    on_body: bool,
+    cp: Any,
+    tan: Any,
+    slot0: int,
+    n: int,
+    closed: int,
+    base: int,
+    stride: int,
+    band: int,
 ) -> None:
     """Eliminate the links that close here from wrench and links."""
     for c in range(closed):
@@ -296,7 +306,17 @@ def _joint(b: Any, f: Any, tb: Any, place: Any, cp: Any, tan: Any, v0: np.ndarra
 
 
 @part
-def _open(X: Any, on_body: bool, cp: Any, tan: Any, slot0: int, n: int, closed: int, base: int, stride: int, band: int
+def _open(
+    X: Any,
+    on_body: bool,
+    cp: Any,
+    tan: Any,
+    slot0: int,
+    n: int,
+    closed: int,
+    base: int,
+    stride: int,
+    band: int,
 ) -> None:
     """Unknowns of the links that close here, last eliminated first."""
     for c in range(closed - 1, -1, -1):

@@ -84,7 +84,7 @@ def advance(
         if count[PHASE] == CLOSING and options.projecting:
             copy(mem.trial, mem.error)
             taken = project(sys, work, mem.clock[POINT], mem.trial, mem.correction, options.closed)
-            # too far off for Newton, or moved by more than the step's error: the other branch of a fold is not the way on
+            # too far off for Newton, or moved by more than a step may err: another branch is not the way on
             if taken < 0 or moved(mem, options) > 1.0:
                 if not _reject(mem, 0.3, options):
                     return filled, OFF_CONSTRAINTS
