@@ -199,14 +199,17 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     yield "", f"at the start, {motors}undamped; stiffness of beams and springs only, no gravity, no preload"
     simulation = system.model.simulation
     tableau = explicit_tableau(simulation.method)
-    if tableau is None or simulation.method == "auto":
+    if tableau is None:
         return
     step = longest_step(tableau, float(some[-1]))
     if step < simulation.duration / 100.0:
         count = float(f"{simulation.duration / step:.2g}")
+        automatic = simulation.method == "auto"
+        explicit = "dop853" if automatic else simulation.method
+        instead = "; auto tries rodas5p" if automatic else ""
         yield (
             "steps",
-            f"the highest frequency keeps {simulation.method} below {step:.1e} s: {count:,.0f} steps or more",
+            f"the highest frequency keeps {explicit} below {step:.1e} s: {count:,.0f} steps or more{instead}",
         )
 
 

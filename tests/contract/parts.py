@@ -172,8 +172,8 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
         "elastic",
     ),
     "joints.free laws": _joint(
-        """type: free, axis: [1, 2], friction: {y: {coulomb: 0.2, transition_speed: 0.05}},
-           limits: {x: {upper: 0.12, stiffness: 200, damping: 1}, angle: {lower: 0.6, stiffness: 3}},
+        """type: free, axis: [1, 2], friction: {y: {coulomb: 0.4, transition_speed: 0.3}},
+           limits: {x: {upper: 0.12, stiffness: 200, damping: 1, transition: 0.08}, angle: {lower: 0.6, stiffness: 3}},
            spring: {y: {force_table: [[-0.1, -4], [0, 0], [0.05, 0.5], [0.1, 5]], damping: 0.1}}""",
         "hip: {x: 0.1, y: -0.05, angle: 0.7}",
         "hip: {x: 0.3, y: 0.2, angle: -0.8}",
@@ -187,11 +187,11 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     "springs.point_to_point backlash": _spring(
         "type: point_to_point, stiffness: 200, damping: 4, backlash: {gap: 0.02, transition: 0.02}"
     ),
-    "springs.point_to_point table": _spring(
+    "springs.point_to_point curve": _spring(
         "type: point_to_point, force_table: [[-0.2, -9], [0, 1], [0.05, 3], [0.1, 2], [0.3, 20]], damping: 0.5"
     ),
     "springs.torsional": _spring("type: torsional, stiffness: 5, damping: 0.3, rest_angle: 1"),
-    "springs.torsional table": _spring(
+    "springs.torsional curve": _spring(
         "type: torsional, force_table: {points: [[-0.5, -3], [0, 0.5], [2, 1]], interpolation: linear}, rest_angle: 1"
     ),
     "springs.torsional backlash": _spring("type: torsional, stiffness: 9, damping: 0.05, backlash: 0.1"),

@@ -146,7 +146,7 @@ MISTAKES = [
     ("{shoulder_right: 1.0", "{shoulder_right: {x: 1.0}", "hints.shoulder_right: 'x' is not a free coordinate"),
     ("duration: 3", "duration: 0", "simulation.duration: must be positive, is 0"),
     ("rtol: 1e-6", "rtol: -1e-6", "simulation.rtol: must be positive, is -1e-06"),
-    ("method: dop853", "method: dop", "simulation.method: unknown choice 'dop', did you mean 'dop853'?"),
+    ("duration: 3", "method: dop85", "simulation.method: unknown choice 'dop85', did you mean 'dop853'?"),
     # the file as a whole
     ("fmbd: 1", "fmbd: 2", "fmbd: this program reads format 1, not 2"),
     ("fmbd: 1\n", "", "missing key 'fmbd', the version of the file format: write 'fmbd: 1'"),

@@ -82,13 +82,13 @@ def test_a_pendulum_bounces_to_rest_on_its_stop(method):
     changes = {
         "bodies.bob.inertia": 0.1,
         "joints.pivot.limits": {"upper": -0.5, "stiffness": 3e3, "damping": 0.5},
-        "joints.pivot.friction": {"viscous": 1},
-        "simulation": {"duration": 30, "rtol": 1e-9, "method": method},
+        "joints.pivot.friction": {"viscous": 0.6},
+        "simulation": {"duration": 20, "rtol": 1e-9, "method": method},
     }
     run = simulate("pendulum.yaml", changes)
     angle, rate = run["pivot.angle"], run["pivot.angle.rate"]
     assert np.abs(run["energy.balance"]).max() < 1e-6
-    assert np.all(np.diff(run["energy.dissipated"]) >= 0)
+    assert np.all(np.diff(run["energy.dissipated"]) > -1e-9)
     assert np.sum((rate[1:] < 0) & (rate[:-1] > 0) & (angle[1:] > -0.52)) > 3
     depth = angle[-1] + 0.5
     assert_allclose(3e3 * depth, -9.81 * np.sin(angle[-1]), rtol=1e-6)
