@@ -1,10 +1,11 @@
 """How a model is simulated."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, model_validator
 
-from fmbd.model.base import Part, Positive
+from fmbd.model.base import Part, Positive, to_number
+from fmbd.model.context import reject
 
 
 class Baumgarte(Part):
@@ -16,15 +17,40 @@ class Baumgarte(Part):
     """Natural frequency [rad/s]."""
 
 
+class GeneralizedAlpha(Part):
+    """Options of the generalised-alpha method."""
+
+    spectral_radius: Annotated[
+        float,
+        Field(ge=0, le=1),
+        BeforeValidator(to_number, json_schema_input_type=Annotated[float, Field(ge=0, le=1)] | str),
+    ] = 0.8
+    """What is left, per step, of a vibration that is much faster than the step: from 0 to 1, which damps nothing."""
+    step: Positive | None = None
+    """Fixed step [s]; when left out, steps follow rtol and atol."""
+    formulation: Literal["stabilised", "index3"] = "stabilised"
+    """stabilised: constraints hold in place and velocity. index3: in place only, as the method was first published; it
+    wants a fixed step and a spectral radius below 1."""
+
+    @model_validator(mode="after")
+    def _check(self) -> "GeneralizedAlpha":
+        if self.formulation == "index3" and self.spectral_radius == 1.0:
+            reject(
+                ("spectral_radius",), "must be below 1 for index3, whose reactions would grow without bound"
+            )
+        return self
+
+
 class Simulation(Part):
     """Method, accuracy and output of a simulation."""
 
     duration: Positive = 1.0
     """Simulated time [s]."""
-    method: Literal["auto", "dop853", "rk45", "rodas5p", "baumgarte"] = "auto"
+    method: Literal["auto", "dop853", "rk45", "rodas5p", "generalized_alpha", "baumgarte"] = "auto"
     """auto: dop853 or rodas5p, whichever gets on with less work. dop853, rk45: explicit, order 8 and 5. rodas5p:
     linearly implicit, order 5, for fine or damped beams and stiff springs. All with projection onto the constraints.
-    baumgarte: the null-space scheme of the paper."""
+    generalized_alpha: implicit, order 2, with a fixed step or an adaptive one. baumgarte: the null-space scheme of the
+    paper."""
     rtol: Positive = 1e-6
     """Relative tolerance of a step."""
     atol: Positive = Field(default_factory=lambda data: data["rtol"])
@@ -35,3 +61,5 @@ class Simulation(Part):
     """Longest step [s]."""
     baumgarte: Baumgarte = Baumgarte()
     """Parameters of the Baumgarte scheme."""
+    generalized_alpha: GeneralizedAlpha = GeneralizedAlpha()
+    """Options of the generalised-alpha method."""

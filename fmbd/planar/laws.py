@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled, part
+from fmbd.planar.compile import compiled, inner, part
 
 LINEAR, STOP, BACKLASH, FRICTION, TABLE = range(5)
 
@@ -40,13 +40,18 @@ def law(spring: Any, curves: np.ndarray, length: float, rate: float) -> Law:
     E, P = 0.5 * spring.k * s * s, spring.d * rate * rate
     if spring.kind == LINEAR:
         return f, k, d, E, P
-    if spring.kind == FRICTION:
-        f1, k1, d1, E1, P1 = _friction(spring.p, rate)
-    elif spring.kind == TABLE:
-        f1, k1, d1, E1, P1 = _curve(curves, spring.start, spring.count, s)
-    else:
-        f1, k1, d1, E1, P1 = _beyond_gap(spring.p, spring.kind == STOP, s, rate)
+    f1, k1, d1, E1, P1 = _nonlinear(spring, curves, s, rate)
     return f + f1, k + k1, d + d1, E + E1, P + P1
+
+
+@inner
+def _nonlinear(spring: Any, curves: np.ndarray, s: float, v: float) -> Law:
+    """What the kind of a spring adds; a function of its own, so that linear springs stay as quick as they are."""
+    if spring.kind == FRICTION:
+        return _friction(spring.p, v)
+    if spring.kind == TABLE:
+        return _curve(curves, spring.start, spring.count, s)
+    return _beyond_gap(spring.p, spring.kind == STOP, s, v)
 
 
 @part

@@ -54,6 +54,8 @@ def start_method(
     tableau = explicit_tableau(name)
     if tableau is not None:
         return _explicit(tableau, system, y0, breaks, options, shared)
+    if name == "generalized_alpha":
+        return _generalized_alpha(system, y0, breaks, options, shared)
     return _rosenbrock(system, y0, breaks, options, shared)
 
 
@@ -112,6 +114,30 @@ def _rosenbrock(system: System, y0: Array, breaks: Array, options: Options, shar
             times,
             out,
             attempts,
+        )
+        return int(filled), int(status)
+
+    return Stepper(mem, step)
+
+
+def _generalized_alpha(
+    system: System, y0: Array, breaks: Array, options: Options, shared: Memory | None
+) -> Stepper:
+    from fmbd.planar.tangent_arrays import allocate_tangent
+    from fmbd.solvers.generalized_alpha import ROWS, advance_generalized_alpha, generalized_alpha
+    from fmbd.system.couplings import couplings
+
+    planar, chosen = system.planar, system.model.simulation.generalized_alpha
+    stabilised = chosen.formulation == "stabilised"
+    method = generalized_alpha(chosen.spectral_radius, chosen.step, stabilised)
+    coupled = couplings(planar)
+    tangent = allocate_tangent(planar, coupled, level=1 if stabilised else 0)
+    work = allocate(planar)
+    mem = _memory(shared, y0, planar.nq, ROWS, 3)
+
+    def step(times: Array, out: Array, attempts: int) -> tuple[int, int]:
+        filled, status = advance_generalized_alpha(
+            planar, work, coupled, tangent, method, mem, breaks, options, times, out, attempts
         )
         return int(filled), int(status)
 
