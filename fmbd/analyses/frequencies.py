@@ -51,13 +51,20 @@ def natural_frequencies(system: System, q: Array | None = None, t: float = 0.0) 
     return np.concatenate([np.zeros(R.shape[1] - omega.size), omega]) / (2.0 * np.pi)
 
 
-def longest_step(tableau: Tableau, frequency: float) -> float:
-    """Step [s] at which an explicit method begins to blow up an undamped vibration of `frequency` [Hz]."""
+def longest_step(tableau: Tableau, frequency: float, damping: float = 0.0) -> float:
+    """Step [s] at which an explicit method begins to blow up an undamped vibration of `frequency` [Hz], or a creeping
+    motion that dies out at the rate `damping` [1/s]; the shorter one."""
+    vibrating = _stable(tableau, 1j) / (2.0 * np.pi * frequency)
+    return min(vibrating, _stable(tableau, -1.0) / damping) if damping > 0.0 else vibrating
+
+
+def _stable(tableau: Tableau, direction: complex) -> float:
+    """How far along a direction of the complex plane h lambda may go."""
     s = tableau.b.size
-    y = np.linspace(0.0, 10.0, 2001)
-    stages = np.eye(s) - 1j * y[:, None, None] * tableau.a[:s, :s]
-    growth = np.abs(1.0 + 1j * y * (np.linalg.solve(stages, np.ones((y.size, s, 1)))[..., 0] @ tableau.b))
-    return float(y[np.argmax(growth > 1.0 + 1e-6)] / (2.0 * np.pi * frequency))
+    z = direction * np.linspace(0.0, 10.0, 2001)
+    stages = np.eye(s) - z[:, None, None] * tableau.a[:s, :s]
+    growth = np.abs(1.0 + z * (np.linalg.solve(stages, np.ones((z.size, s, 1)))[..., 0] @ tableau.b))
+    return float(abs(z[np.argmax(growth > 1.0 + 1e-6)]))
 
 
 def _of_beams(system: System) -> Array:

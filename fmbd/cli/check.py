@@ -201,7 +201,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     tableau = explicit_tableau(simulation.method)
     if tableau is None:
         return
-    step = longest_step(tableau, float(some[-1]))
+    step = longest_step(tableau, float(some[-1]), float(system.planar.modal_damping.max(initial=0.0)))
     if step < simulation.duration / 100.0:
         count = float(f"{simulation.duration / step:.2g}")
         automatic = simulation.method == "auto"
@@ -209,7 +209,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
         instead = "; auto tries rodas5p" if automatic else ""
         yield (
             "steps",
-            f"the highest frequency keeps {explicit} below {step:.1e} s: {count:,.0f} steps or more{instead}",
+            f"the fastest mode keeps {explicit} below {step:.1e} s: {count:,.0f} steps or more{instead}",
         )
 
 

@@ -190,6 +190,12 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
     return taken
 
 
+@compiled
+def close_at_start(sys: Any, work: Any, y: np.ndarray, step: np.ndarray, tolerance: float) -> int:
+    """`project` at time 0, for callers in Python."""
+    return project(sys, work, 0.0, y, step, tolerance)
+
+
 @part
 def settled(worst: float, before: float, tolerance: float, points: Any) -> bool:
     """Whether a residual of the constraints is as small as asked for, as round-off, or as contradictions let it be."""

@@ -93,7 +93,7 @@ def _clear(tb: Any) -> None:
     for i in range(3):
         for j in range(7):
             tb.H[i, j] = 0.0
-        tb.diagonal[i], tb.drag[i], tb.pull[i] = 0.0, 0.0, 0.0
+        tb.own[i], tb.drag[i], tb.pull[i] = 0.0, 0.0, 0.0
     tb.force[0], tb.force[1] = 0.0, 0.0
 
 
@@ -302,7 +302,7 @@ def _pathway_forces(sys: Any, cp: Any, work: Any, tan: Any, bq: Any, bv: Any, pe
         else:
             own, other = cp.locals[motor.pathway], cp.locals[control.pathway]
             both = own.coefficient * other.coefficient
-            tan.bodies[own.body].diagonal[own.direction] += both * (bq * k + bv * d)
+            tan.bodies[own.body].own[own.direction] += both * (bq * k + bv * d)
             tan.bodies[own.body].drag[own.direction] += both * d
 
 
@@ -318,7 +318,7 @@ def _along(
         tan.weights[cp.tension_link[p], 0, 1] += d
         return
     tb, e = tan.bodies[local.body], local.coefficient
-    tb.diagonal[local.direction] += e * e * (bq * k + bv * d)
+    tb.own[local.direction] += e * e * (bq * k + bv * d)
     tb.drag[local.direction] += e * e * d
     if local.direction < 2:
         f, sign = work.frames[local.body], sys.bodies[local.body].sign

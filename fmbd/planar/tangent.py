@@ -346,7 +346,7 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
     if b.sliding == 0:
         if b.coordinate[2] >= 0:
             # one coordinate: theta of the body is sign x + theta of the outer station
-            pivot = H[2, 0] + tb.diagonal[2]
+            pivot = H[2, 0] + tb.own[2]
             if not abs(pivot) > 0.0:
                 return False
             tb.per_D[2] = 1.0 / pivot
@@ -430,7 +430,7 @@ def _eliminate_joint(b: Any, f: Any, tb: Any, place: Any, tan: Any, bq: Any) -> 
     for d in range(3):
         if b.coordinate[d] < 0:
             continue
-        pivot = V[d, d] + tb.diagonal[d]
+        pivot = V[d, d] + tb.own[d]
         if not abs(pivot) > 0.0:
             return False
         tb.per_D[d] = 1.0 / pivot

@@ -64,7 +64,7 @@ def body_type(scalar: str) -> np.dtype:
         ("ratio", scalar, (3, 3)),
         ("per_D", scalar, (3,)),
         ("rhs", scalar, (3,)),
-        ("diagonal", scalar, (3,)),
+        ("own", scalar, (3,)),
         ("drag", scalar, (3,)),
         ("pull", scalar, (3,)),
         ("arm", "f8", (6,)),

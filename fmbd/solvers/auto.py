@@ -5,6 +5,7 @@ in a long run the implicit one gets a trial, the better goes on, and the other i
 counted in evaluations of the equations, not in seconds, so that the same model always takes the same steps.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -79,7 +80,7 @@ class _Choice:
 
     def describe(self, now: float) -> str:
         """What was picked, and why."""
-        if not self.price.get(IMPLICIT):
+        if self.price.get(IMPLICIT, math.inf) == math.inf:
             return EXPLICIT
         shares = self.covered | {self.current: self.covered.get(self.current, 0.0) + now - self.time}
         most = max(shares, key=lambda name: shares[name])
@@ -104,6 +105,12 @@ def start_auto(system: System, y0: Array, breaks: Array, options: Options) -> St
             spell = min(SPELL, last - tried())
             done, status = steppers[choice.current].advance(times[filled:], out[filled:], spell)
             filled += done
+            if status != RUNNING and choice.current == IMPLICIT:
+                # what stops it, a singular position for one, need not stop the other
+                choice.price[IMPLICIT] = math.inf
+                choice.current, status = EXPLICIT, RUNNING
+                mem.counters[FRESH] = 1
+                continue
             # between two spells all output times that were passed are written
             if status != RUNNING or filled == times.size or tried() >= last:
                 return filled, status

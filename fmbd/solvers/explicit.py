@@ -13,7 +13,6 @@ import numpy as np
 from fmbd.planar.compile import compiled, inner, part
 from fmbd.planar.equations import derivatives, project
 from fmbd.solvers.steps import (
-    ACCEPTED,
     BEFORE_BREAK,
     BODY,
     EVALUATIONS,
@@ -85,9 +84,8 @@ def advance(
         if count[PHASE] == CLOSING and options.projecting:
             copy(mem.trial, mem.error)
             taken = project(sys, work, mem.clock[POINT], mem.trial, mem.correction, options.closed)
-            # too far off for Newton, or moved by more than a step may err: another branch is not the way on;
-            # only a start that was left inconsistent may be moved
-            if taken < 0 or (moved(mem, options) > 1.0 and count[ACCEPTED] > 0):
+            # too far off for Newton, or moved by more than a step may err: another branch is not the way on
+            if taken < 0 or moved(mem, options) > 1.0:
                 if not _reject(mem, 0.3, options):
                     return filled, OFF_CONSTRAINTS
                 continue

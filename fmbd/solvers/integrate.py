@@ -103,6 +103,11 @@ def integrate(
     start = system.start
     y0 = np.concatenate([system.to_modal(start.q), system.to_modal(start.v), start.z, [0.0, 0.0]])
     options = solver_options(system)
+    if options.projecting and not system.model.initial.consistent:
+        from fmbd.planar.equations import close_at_start
+
+        # a start left inconsistent is moved onto its constraints at once, whatever the length of the first step
+        close_at_start(system.planar, system.work, y0, np.zeros(system.planar.nq), options.closed)
     end = float(times[-1])
     breaks = np.append(system.lowered.signals.breakpoints(end), end)
     stepper = start_method(simulation.method, system, y0, breaks, options)
@@ -198,12 +203,14 @@ def _reason(system: System, mem: Memory, status: int) -> str:
             "(a larger rtol, or method baumgarte, may pass it)"
         )
     body = _fastest(system, mem)
-    return f"at {t} the step size fell to round-off; {body} changes fastest (a smaller rtol or more damping may help)"
+    return f"at {t} the step size fell to round-off; {body} changes fastest (a larger rtol or more damping may help)"
 
 
 def _fastest(system: System, mem: Memory) -> str:
     nq = system.planar.nq
-    rates = np.abs(mem.k[0][nq : 2 * nq])
+    q, v, z = np.split(mem.y[:-2], [nq, 2 * nq])
+    accelerations, _ = system.accelerations(system.to_nodal(q), system.to_nodal(v), float(mem.clock[NOW]), z)
+    rates = np.abs(accelerations)
     if not np.all(np.isfinite(rates)):
         rates = np.where(np.isfinite(rates), 0.0, np.inf)
     return system.coordinate_names[int(np.argmax(rates))] if nq else "nothing"

@@ -2,7 +2,8 @@
 
 Eight stages, each one evaluation and one back-substitution; one factorisation of the linearised equations a step, no
 iteration. L-stable and stiffly accurate. Use it where beams are fine, damped, or attached to stiff springs, at relative
-tolerances down to about 1e-8; where nothing is stiff, `dop853` takes fewer evaluations.
+tolerances down to about 1e-8; where nothing is stiff, `dop853` takes fewer evaluations. The derivative of a gravity
+compensation computed online is left out: with one, the order falls to 2.
 
 Coefficients: G. Steinebach, Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia
 Differential Equations package, BIT Numerical Mathematics 63 (2023) 27, doi 10.1007/s10543-023-00967-x. In the form of

@@ -48,6 +48,7 @@ from fmbd.solvers.steps import (
     first_step,
     interpolate,
     is_finite,
+    moved,
     norm,
     pass_breaks,
     plan_next,
@@ -134,7 +135,8 @@ def advance_rosenbrock(
         if clock[WANTED] == 0.0:
             clock[STEP] = euler_step(f0, mem, options)
             _combine(mem.y, f0, clock[STEP], mem.trial)
-            _evaluate(sys, work, clock[NOW] + clock[STEP], mem.trial, mem.k[s + 2], mem)
+            probe = min(clock[NOW] + clock[STEP], clock[BEFORE_BREAK])
+            _evaluate(sys, work, probe, mem.trial, mem.k[s + 2], mem)
             clock[WANTED] = first_step(f0, mem.k[s + 2], method.order, mem, options)
         aim(mem, options)
         if not steady:
@@ -150,8 +152,9 @@ def advance_rosenbrock(
                 return filled, STEP_TOO_SMALL
             continue
         end = min(clock[NOW] + clock[STEP], clock[BEFORE_BREAK])
+        copy(mem.trial, mem.error)
         taken = _project(sys, work, base, couplings, tan, method, end, mem, options.closed)
-        if taken < 0:
+        if taken < 0 or moved(mem, options) > 1.0:
             if not shorten(mem, 0.25, options):
                 return filled, OFF_CONSTRAINTS
             continue
@@ -271,7 +274,9 @@ def _finish(sys: Any, work: Any, base: Any, method: Any, mem: Any, end: float) -
         weigh(method.dense[r], mem.k[:s], F[1 + r])
     h = clock[LAST_STEP]
     middle = clock[LAST_START] + 0.5 * h
-    _evaluate(sys, base, end, y, f1, mem)
+    if _evaluate(sys, base, end, y, f1, mem) >= 0 or not is_finite(f1):
+        # the next step begins with a fresh look, which says what is wrong
+        mem.counters[FRESH] = 1
     interpolate(mem, middle, mem.trial)
     _evaluate(sys, work, middle, mem.trial, half, mem)
     for i in range(y.size - 2, y.size):
@@ -315,7 +320,7 @@ def _project(
             return taken
         if not worst + worst_rate < 1e300 or (taken > 1 and worst > before and worst_rate > before_rate):
             return -1
-        before, before_rate = worst, worst_rate
+        before, before_rate = worst, worst_rate if there else np.inf
         if not there:
             _correct(sys, work, base, couplings, tan, True, -S * S, x)
             for i in range(n):

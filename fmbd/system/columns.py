@@ -98,6 +98,8 @@ def banded(columns: list[int], together: Sequence[Sequence[int]]) -> list[int]:
 
     number = {c: k for k, c in enumerate(columns)}
     pairs = [(number[a], number[b]) for group in together for a in group for b in group]
+    if not pairs:
+        return columns
     rows, cols = np.array(pairs).T
     graph = coo_array((np.ones(len(pairs)), (rows, cols)), shape=(len(columns), len(columns)))
     return [columns[k] for k in reverse_cuthill_mckee(graph.tocsr(), symmetric_mode=True)]

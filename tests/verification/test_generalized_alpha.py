@@ -1,7 +1,7 @@
 """Generalised-alpha: order, damping, energy and agreement with dop853, in both formulations.
 
-What Arnold and Bruls prove (Multibody System Dynamics 18, 2007): order 2 in places, velocities and multipliers, for every
-spectral radius below 1 at index 3; stabilised, 1 is allowed, too.
+What Arnold and Bruls prove (Multibody System Dynamics 18, 2007): order 2 in places, velocities and multipliers, at
+index 3 for every spectral radius below 1. Stabilised, 1 is allowed, too.
 """
 
 import numpy as np
@@ -97,7 +97,7 @@ def test_constraints_hold_in_place_and_velocity_or_in_place_only():
 
 
 def test_without_damping_energy_does_not_drift():
-    """Ten seconds of free swinging at spectral radius 1: the balance stays where it is, to a part of its own scatter."""
+    """Ten seconds of free swinging at spectral radius 1: the trend of the balance is lost in its scatter."""
     changes = FREE | {"simulation.duration": 10, "simulation.output_interval": 0.01}
     run = simulate("five_bar.yaml", changes | generalized_alpha(radius=1, step=5e-4))
     balance = run["energy.balance"] / run["energy.kinetic"].max()

@@ -8,6 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 from simulation import simulate
 
+import fmbd
+from fmbd.model import load_model_text
+
 # order of each method in the state at the end; the project's documentation gives the same
 ORDERS = {"dop853": 8, "rk45": 5, "rodas5p": 5}
 
@@ -123,3 +126,36 @@ def test_auto_agrees_with_its_methods_across_the_switch():
     other = simulate("five_bar.yaml", changes | {"simulation.method": "auto"})
     assert "rodas5p" in other.statistics["choice"]
     assert_allclose(other.position, one.position, rtol=0, atol=2e-6)
+
+
+INCONSISTENT = """
+fmbd: 1
+ground: {points: {B: [1, 0]}}
+bodies:
+  crank: {type: rigid, mass: 1, inertia: 0.1, points: {tip: [0.4, 0]}}
+  coupler: {type: rigid, mass: 1, inertia: 0.1, points: {tip: [1, 0]}}
+  rocker: {type: rigid, mass: 1, inertia: 0.1, points: {tip: [0.7, 0]}}
+joints:
+  a: {type: revolute, between: [ground.origin, crank.origin]}
+  b: {type: revolute, between: [crank.tip, coupler.origin]}
+  c: {type: revolute, between: [ground.B, rocker.origin]}
+  d: {type: revolute, between: [coupler.tip, rocker.tip], cut: true}
+initial: {joints: {a: 1, b: -0.6, c: 1.3}, rates: {a: 2}, consistent: false}
+simulation: {rtol: 1e-9}
+"""
+
+
+@pytest.mark.parametrize("method", ["dop853", "rodas5p"])
+def test_an_inconsistent_start_is_moved_at_once_whatever_the_first_step(method):
+    ends = []
+    for longest in (1e-3, 1e-1):
+        changes = {"simulation.method": method, "simulation.max_step": longest}
+        ends.append(fmbd.simulate(load_model_text(INCONSISTENT, overrides=changes)).position[-1])
+    assert_allclose(ends[1], ends[0], rtol=0, atol=1e-7)
+
+
+def test_auto_goes_on_where_its_trial_cannot():
+    """rodas5p stops at the first flat position of the four-bars, at 0.714 s; dop853 steps over it."""
+    changes = {"simulation.method": "auto", "simulation.rtol": 1e-5, "simulation.max_step": 0.005}
+    run = simulate("four_bars.yaml", changes | {"simulation.duration": 60})
+    assert run.time[-1] > 0.8
