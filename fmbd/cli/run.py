@@ -46,7 +46,7 @@ def add(commands: Any) -> None:
         help=f"the archive (default: the model's name + {SUFFIX})",
     )
     for key, metavar, what in (
-        ("method", "NAME", "auto, dop853, rk45, rodas5p, generalized_alpha or baumgarte"),
+        ("method", "NAME", "auto, dop853, rk45, rodas5p, radau, generalized_alpha or baumgarte"),
         ("rtol", "NUMBER", "relative tolerance of a step"),
         ("duration", "SECONDS", "simulated time"),
     ):

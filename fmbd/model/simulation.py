@@ -41,16 +41,23 @@ class GeneralizedAlpha(Part):
         return self
 
 
+class Radau(Part):
+    """Options of the Radau IIA methods."""
+
+    stages: Literal[3, 5] = 5
+    """Stages of a step: 3 give order 5, 5 give order 9."""
+
+
 class Simulation(Part):
     """Method, accuracy and output of a simulation."""
 
     duration: Positive = 1.0
     """Simulated time [s]."""
-    method: Literal["auto", "dop853", "rk45", "rodas5p", "generalized_alpha", "baumgarte"] = "auto"
+    method: Literal["auto", "dop853", "rk45", "rodas5p", "radau", "generalized_alpha", "baumgarte"] = "auto"
     """auto: dop853 or rodas5p, whichever gets on with less work. dop853, rk45: explicit, order 8 and 5. rodas5p:
-    linearly implicit, order 5, for fine or damped beams and stiff springs. All with projection onto the constraints.
-    generalized_alpha: implicit, order 2, with a fixed step or an adaptive one. baumgarte: the null-space scheme of the
-    paper."""
+    linearly implicit, order 5, for fine or damped beams and stiff springs. radau: implicit, order 9 or 5, for vibrating
+    beams and tight tolerances. All with projection onto the constraints. generalized_alpha: implicit, order 2, with a
+    fixed step or an adaptive one. baumgarte: the null-space scheme of the paper."""
     rtol: Positive = 1e-6
     """Relative tolerance of a step."""
     atol: Positive = Field(default_factory=lambda data: data["rtol"])
@@ -63,3 +70,5 @@ class Simulation(Part):
     """Parameters of the Baumgarte scheme."""
     generalized_alpha: GeneralizedAlpha = GeneralizedAlpha()
     """Options of the generalised-alpha method."""
+    radau: Radau = Radau()
+    """Options of the Radau IIA methods."""

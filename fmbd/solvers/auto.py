@@ -53,13 +53,18 @@ class _Choice:
     price: dict[str, float] = field(default_factory=dict)  # work per second of simulated time, as last seen
     covered: dict[str, float] = field(default_factory=dict)  # time that each method went through
 
+    def mark(self, mem: Memory) -> tuple[float, float, int]:
+        """Time covered, work and steps since the last mark."""
+        count, then = mem.counters, (self.time, self.work, self.steps)
+        self.time = float(mem.clock[NOW])
+        self.work = float(count[EVALUATIONS] + 2 * count[PROJECTIONS] + FACTORISATION * count[FACTORISATIONS])
+        self.steps = int(count[ACCEPTED])
+        return self.time - then[0], self.work - then[1], self.steps - then[2]
+
     def next(self, mem: Memory) -> str:
         """The method of the next spell, from what the last one cost."""
-        count, now, current = mem.counters, float(mem.clock[NOW]), self.current
-        work = float(count[EVALUATIONS] + 2 * count[PROJECTIONS] + FACTORISATION * count[FACTORISATIONS])
-        steps = int(count[ACCEPTED])
-        covered, spent, taken = now - self.time, work - self.work, steps - self.steps
-        self.time, self.work, self.steps = now, work, steps
+        current = self.current
+        covered, spent, taken = self.mark(mem)
         if covered <= 0.0 or spent <= 0.0:
             return current
         self.covered[current] = self.covered.get(current, 0.0) + covered
@@ -72,7 +77,7 @@ class _Choice:
                 self.patience = min(2 * self.patience, PATIENCE[1])
             self.spells = 0
             return other
-        long = (self.end - now) * taken > LONG * covered
+        long = (self.end - self.time) * taken > LONG * covered
         if current == EXPLICIT and long and (other not in self.price or self.spells >= self.patience):
             self.spells = 0
             return other
@@ -99,23 +104,33 @@ def start_auto(system: System, y0: Array, breaks: Array, options: Options) -> St
     def tried() -> int:
         return int(mem.counters[ACCEPTED] + mem.counters[REJECTED])
 
+    def take_back(before: tuple[int, Array, Array, Array]) -> int:
+        filled, mem.y[:], mem.clock[:], mem.counters[:] = before
+        mem.counters[FRESH] = 1
+        choice.mark(mem)
+        return filled
+
     def step(times: Array, out: Array, attempts: int) -> tuple[int, int]:
         filled, last = 0, tried() + attempts
         while True:
             spell = min(SPELL, last - tried())
+            before = filled, mem.y.copy(), mem.clock.copy(), mem.counters.copy()
             done, status = steppers[choice.current].advance(times[filled:], out[filled:], spell)
             filled += done
             if status != RUNNING and choice.current == IMPLICIT:
-                # what stops it, a singular position for one, need not stop the other
+                # what stops it, a singular position for one, need not stop the other, from further back
                 choice.price[IMPLICIT] = math.inf
-                choice.current, status = EXPLICIT, RUNNING
-                mem.counters[FRESH] = 1
+                choice.current = EXPLICIT
+                filled = take_back(before)
                 continue
             # between two spells all output times that were passed are written
             if status != RUNNING or filled == times.size or tried() >= last:
                 return filled, status
             chosen = choice.next(mem) if options.rtol >= TIGHT else EXPLICIT
             if chosen != choice.current:
+                if chosen == EXPLICIT:
+                    # a spell that has cost too much is not kept: it may have crept up to a singular position
+                    filled = take_back(before)
                 if chosen not in steppers:
                     steppers[chosen] = start_method(chosen, system, y0, breaks, options, mem)
                 choice.current = chosen

@@ -56,6 +56,8 @@ def start_method(
         return _explicit(tableau, system, y0, breaks, options, shared)
     if name == "generalized_alpha":
         return _generalized_alpha(system, y0, breaks, options, shared)
+    if name == "radau":
+        return _collocation(system, y0, breaks, options, shared)
     return _rosenbrock(system, y0, breaks, options, shared)
 
 
@@ -138,6 +140,38 @@ def _generalized_alpha(
     def step(times: Array, out: Array, attempts: int) -> tuple[int, int]:
         filled, status = advance_generalized_alpha(
             planar, work, coupled, tangent, method, mem, breaks, options, times, out, attempts
+        )
+        return int(filled), int(status)
+
+    return Stepper(mem, step)
+
+
+def _collocation(
+    system: System, y0: Array, breaks: Array, options: Options, shared: Memory | None
+) -> Stepper:
+    from fmbd.planar.tangent_arrays import allocate_tangent
+    from fmbd.solvers.collocation import SCRATCH, Shifted, advance_collocation
+    from fmbd.solvers.radau import radau
+    from fmbd.system.couplings import couplings
+
+    planar = system.planar
+    s = system.model.simulation.radau.stages
+    method = radau(s)
+    coupled = couplings(planar)
+    base = allocate(planar)
+
+    def shifted(scalar: str) -> Shifted:
+        return Shifted(allocate_tangent(planar, coupled, 2, scalar), *np.zeros((4, y0.size), scalar))
+
+    real, pairs = shifted("f8"), tuple(shifted("c16") for _ in method.mus)
+    mem = _memory(shared, y0, planar.nq, 2 * s + SCRATCH, s)
+    # the estimate is of order s, the solution of order 2 s - 1
+    rtol = 0.1 * options.rtol ** ((s + 1) / (2 * s))
+    own = options._replace(rtol=rtol, atol=options.atol / options.rtol * rtol)
+
+    def step(times: Array, out: Array, attempts: int) -> tuple[int, int]:
+        filled, status = advance_collocation(
+            planar, system.work, base, coupled, real, pairs, method, mem, breaks, own, times, out, attempts
         )
         return int(filled), int(status)
 

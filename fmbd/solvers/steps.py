@@ -17,8 +17,21 @@ from fmbd.planar.signals import EARLY
 
 RUNNING, NO_INERTIA, OFF_CONSTRAINTS, STEP_TOO_SMALL, NOT_A_NUMBER = range(5)
 #: Indices of Memory.clock [s]: now, wanted step, this step, its end, last instant before the next breakpoint, the point
-#: at which f is wanted, start and length of the last accepted step.
-NOW, WANTED, STEP, END, BEFORE_BREAK, POINT, LAST_START, LAST_STEP, LAST_ERROR = range(9)
+#: at which f is wanted, start and length of the last accepted step, its error; of implicit steps: the part of its last
+#: correction that Newton's method left, the step for which S - J is factored.
+(
+    NOW,
+    WANTED,
+    STEP,
+    END,
+    BEFORE_BREAK,
+    POINT,
+    LAST_START,
+    LAST_STEP,
+    LAST_ERROR,
+    CONTRACTION,
+    FACTORED,
+) = range(11)
 #: Indices of Memory.counters.
 (
     ACCEPTED,
@@ -76,7 +89,7 @@ def memory(y0: np.ndarray, nq: int, rows: int, interpolant_rows: int) -> Memory:
         np.zeros((rows, ny)),
         np.zeros((interpolant_rows, ny)),
         np.zeros(nq),
-        np.zeros(9),
+        np.zeros(11),
         count,
     )
 
