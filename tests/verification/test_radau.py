@@ -131,9 +131,9 @@ def test_damped_beams_cost_no_more_steps_as_they_are_refined(stages):
 
 def test_a_tangent_that_misses_gravity_compensation_costs_no_accuracy():
     """Newton's method does not need it; compare a linearly implicit method, whose order would suffer."""
+    online = {"type": "gravity_compensation", "computed": "online"}
     changes = {"simulation.duration": 0.1, "simulation.output_interval": 0.1}
-    for name in ("motor_right", "motor_left"):
-        changes[f"controllers.{name}.gravity_compensation"] = "online"
+    changes["controllers.position_control.feedforward"] = online
     one = simulate("five_bar.yaml", changes | by_dop853())
     other = simulate("five_bar.yaml", changes | by_radau(5, 1e-11))
     assert_allclose(other.position[-1], one.position[-1], rtol=0, atol=1e-9)
