@@ -1,9 +1,10 @@
 """Radau IIA: implicit collocation methods for stiff equations, of order 5 (3 stages) and 9 (5 stages).
 
-Fully implicit, L-stable, stiffly accurate; the stages are found by Newton's method with the exact tangent at the start
-of the step. Use it for stiff models at tight tolerances, where the order pays, and where the tangent misses something
-(a force law with corners, online gravity compensation): Newton's method only gets slower by that, while `rodas5p` loses
-its order. At everyday tolerances `rodas5p` is cheaper.
+L-stable and stiffly accurate; the stages are found by Newton's method with the exact tangent near the middle of the
+step. Use it for beams that vibrate undamped, for tight tolerances, and where the tangent misses something (a force law
+with corners, online gravity compensation): Newton's method only gets slower by that, while a linearly implicit method
+loses its order. Five stages, the default, are the faster choice but where beams are fine and damped and the tolerance
+is loose: there three stages, or `rodas5p`, do with less work.
 
 E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.8 (RADAU5), and: Stiff differential
 equations solved by Radau methods, J. Comput. Appl. Math. 111 (1999) 93-111. The coefficients are computed here.

@@ -118,12 +118,13 @@ def test_published_cases_agree_with_dop853(stages, model, end, tolerance):
 
 @pytest.mark.parametrize("stages", STAGES)
 def test_damped_beams_cost_no_more_steps_as_they_are_refined(stages):
-    """The stiffest of them vibrates 10^4 times faster than the steps."""
+    """Their fastest vibrations are far shorter than a step; energy and loops keep to the tolerance all the same."""
     steps = []
-    for n in (4, 16):
-        changes = {"simulation.duration": 0.5} | by_radau(stages, 1e-5) | STIFF | rods(n)
-        run = simulate("five_bar.yaml", changes)
-        assert np.abs(run["energy.balance"]).max() < 1e-6
+    for n in (4, 32):
+        run = simulate(
+            "five_bar.yaml", {"simulation.duration": 0.5} | by_radau(stages, 1e-8) | STIFF | rods(n)
+        )
+        assert np.abs(run["energy.balance"]).max() < 1e-7
         assert run["constraint_error"].max() < 1e-9
         steps.append(run.statistics["steps"] + run.statistics["rejected_steps"])
     assert steps[1] < 1.5 * steps[0]
