@@ -128,6 +128,18 @@ def test_auto_agrees_with_its_methods_across_the_switch():
     assert_allclose(other.position, one.position, rtol=0, atol=2e-6)
 
 
+def test_auto_writes_every_output_as_its_methods_would():
+    """Blocks of outputs end inside steps, some of them inside trials that are then taken back."""
+    changes = {
+        "simulation.duration": 0.6,
+        "simulation.output_interval": 2e-5,
+        "simulation.rtol": 1e-6,
+    } | rods(8)
+    one = simulate("five_bar.yaml", changes | {"simulation.method": "dop853", "simulation.rtol": 1e-9})
+    other = simulate("five_bar.yaml", changes | {"simulation.method": "auto"})
+    assert_allclose(other.position, one.position, rtol=0, atol=2e-6)
+
+
 INCONSISTENT = """
 fmbd: 1
 ground: {points: {B: [1, 0]}}
