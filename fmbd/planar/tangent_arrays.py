@@ -21,10 +21,7 @@ LOCAL = np.dtype([("body", "i8"), ("direction", "i8"), ("coefficient", "f8")], a
 SHARE = np.dtype([("link", "i8"), ("parent", "i8"), ("row0", "i8")], align=True)
 # A body's rows here are those of planar.arrays and two more, eta and eta' where the equations are linearised.
 PLACE = np.dtype(
-    [
-        (n, "i8")
-        for n in ("row0", "nr", "matrix0", "slot0", "nslot", "closed", "block0", "end0", "nend", "child0")
-    ],
+    [(n, "i8") for n in ("row0", "nr", "matrix0", "slot0", "nslot", "closed", "block0", "end0", "nend")],
     align=True,
 )
 

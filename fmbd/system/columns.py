@@ -4,7 +4,9 @@ A constraint's loop closes at the lowest common ancestor of the bodies that it t
 column is alive in every body on the way there; each (body, constraint) pair is a slot (see planar.arrays).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -32,33 +34,16 @@ def _path(parents: Sequence[int], body: int) -> list[int]:
 def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constraints: Any) -> dict[str, Any]:
     """Give bodies and terms their slots, in place; return the slot arrays of `Planar`."""
     parents = [int(p) for p in bodies["parent"]]
-    closed: list[list[int]] = [[] for _ in parents]
-    open_: list[list[int]] = [[] for _ in parents]
-    ground: list[int] = []
     inertias = _inertias(bodies, stations), _borrowed(bodies, stations)
-    for c, constraint in enumerate(constraints):
-        touched = _touched(stations, terms, pathways[constraint["pathway"]])
-        constraint["freedom"] = _freedom(inertias, stations, terms, pathways[constraint["pathway"]])
-        closing = closing_body(parents, touched)
-        alive = {body for start in touched for body in _path(parents, start) if body > closing}
-        for body in alive:
-            open_[body].append(c)
-        (ground if closing == GROUND else closed[closing]).append(c)
-    slot: dict[tuple[int, int], int] = {}
-    block = 0
-    for i, body in enumerate(bodies):
-        columns = closed[i] + open_[i]
-        body["slot0"], body["nslot"], body["closed"] = len(slot), len(columns), len(closed[i])
-        body["block0"] = block
-        block += len(columns) ** 2
-        for c in columns:
-            slot[i, c] = len(slot)
-    ground_slot0 = len(slot)
-    together = [open_[i] for i, parent in enumerate(parents) if parent == GROUND]
-    ground = banded(ground, together)
-    for c in ground:
-        slot[GROUND, c] = len(slot)
-    base, stride, band, size = lay_out(ground, together, block)
+    touched = []
+    for constraint in constraints:
+        path = pathways[constraint["pathway"]]
+        touched.append(touched_bodies(stations, terms, range(path["term0"], path["term0"] + path["nterm"])))
+        constraint["freedom"] = _freedom(inertias, stations, terms, path)
+    shares = share_out(parents, touched)
+    bodies["slot0"], bodies["nslot"] = shares.first, shares.count
+    bodies["closed"], bodies["block0"] = shares.closed, shares.block0
+    slot = shares.index
     constraint_terms = {}
     for c, constraint in enumerate(constraints):
         path = pathways[constraint["pathway"]]
@@ -72,21 +57,62 @@ def place_columns(bodies: Any, stations: Any, terms: Any, pathways: Any, constra
                 terms[j][f"slot_{end}"] = slot[body, c]
     slots = records(len(slot), SLOT)
     row0 = 0
-    for k, (i, c) in enumerate(slot):
-        slots[k].constraint, slots[k].row0 = c, row0
-        slots[k].parent = slot.get((parents[i], c), -1) if i != GROUND else -1
+    for (i, c), k in slot.items():
+        slots[k].constraint, slots[k].row0, slots[k].parent = c, row0, shares.above(parents, i, c)
         if i != GROUND:
             slots[k].first_row = bodies[i].row0
             row0 += int(bodies[i].nrow)
     return {
         "slots": slots,
         "slot_rows": row0,
-        "ground_slot0": ground_slot0,
-        "ground_base": base,
-        "ground_stride": stride,
-        "ground_band": band,
-        "block_size": size,
+        "ground_slot0": shares.ground,
+        "ground_base": shares.base,
+        "ground_stride": shares.stride,
+        "ground_band": shares.band,
+        "block_size": shares.block_size,
     }
+
+
+@dataclass
+class Shares:
+    """Where columns are alive: index of each (body, column) pair, by body, the ground's last; offsets of each body."""
+
+    index: dict[tuple[int, int], int]
+    first: list[int]
+    count: list[int]
+    closed: list[int]
+    block0: list[int]
+    ground: int
+    base: int
+    stride: int
+    band: int
+    block_size: int
+
+    def above(self, parents: Sequence[int], body: int, column: int) -> int:
+        """Index of the same column at the parent of a body or at the ground; -1 if it closes at the body."""
+        return self.index.get((parents[body], column), -1) if body != GROUND else -1
+
+
+def share_out(parents: Sequence[int], touched: Sequence[set[int]]) -> Shares:
+    """The bodies in which columns that touch the given ones are alive; those that close at a body come first there."""
+    closed: list[list[int]] = [[] for _ in parents]
+    open_: list[list[int]] = [[] for _ in parents]
+    ground: list[int] = []
+    for column, bodies in enumerate(touched):
+        closing = closing_body(parents, bodies)
+        (ground if closing == GROUND else closed[closing]).append(column)
+        for body in {body for start in bodies for body in _path(parents, start) if body > closing}:
+            open_[body].append(column)
+    together = [open_[i] for i, parent in enumerate(parents) if parent == GROUND]
+    ground = banded(ground, together)
+    mine = [first + rest for first, rest in zip(closed, open_, strict=True)]
+    count = [len(columns) for columns in mine]
+    squares = [0, *accumulate(n * n for n in count)]
+    pairs = [(i, column) for i, columns in enumerate(mine) for column in columns]
+    index = {pair: k for k, pair in enumerate(pairs + [(GROUND, column) for column in ground])}
+    first = [0, *accumulate(count)][: len(parents)]
+    layout = lay_out(ground, together, squares[-1])
+    return Shares(index, first, count, [len(c) for c in closed], squares[:-1], len(pairs), *layout)
 
 
 def banded(columns: list[int], together: Sequence[Sequence[int]]) -> list[int]:
@@ -120,9 +146,9 @@ def lay_out(
     return start + band, 2 * band, band, start + n * (2 * band + 1)
 
 
-def _touched(stations: Any, terms: Any, pathway: Any) -> set[int]:
-    indices = range(pathway["term0"], pathway["term0"] + pathway["nterm"])
-    return {int(stations[terms[j][end]]["body"]) for j in indices for end in "ab"}
+def touched_bodies(stations: Any, terms: Any, indices: Iterable[int]) -> set[int]:
+    """Bodies, or the ground, between which some terms act."""
+    return {int(stations[int(terms[j][end])]["body"]) for j in indices for end in "ab"}
 
 
 def _freedom(inertias: Sequence[np.ndarray], stations: Any, terms: Any, pathway: Any) -> float:

@@ -1,7 +1,6 @@
 """Which unknowns of the linearised equations are coupled, beside the coordinates (see planar.tangent_arrays)."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -23,54 +22,7 @@ from fmbd.planar.tangent_arrays import (
     TURN,
     Couplings,
 )
-from fmbd.system.columns import GROUND, banded, closing_body, lay_out
-
-
-@dataclass
-class Shares:
-    """(body, link) pairs in which a link is alive, by body, the ground's last; and where each body's begin."""
-
-    pairs: list[tuple[int, int]]
-    first: list[int]
-    count: list[int]
-    closed: list[int]
-    block0: list[int]
-    ground: int
-    base: int
-    stride: int
-    band: int
-    block_size: int
-
-
-def share_out(parents: Sequence[int], touched: Sequence[set[int]]) -> Shares:
-    """The bodies in which links that touch the given bodies are alive; those that close at a body come first there."""
-    closed: list[list[int]] = [[] for _ in parents]
-    open_: list[list[int]] = [[] for _ in parents]
-    ground: list[int] = []
-    for link, bodies in enumerate(touched):
-        closing = closing_body(parents, bodies)
-        (ground if closing == GROUND else closed[closing]).append(link)
-        alive = set()
-        for body in bodies:
-            while body > closing:
-                alive.add(body)
-                body = parents[body]
-        for body in alive:
-            open_[body].append(link)
-    out = Shares([], [], [], [len(links) for links in closed], [], 0, 0, 0, 0, 0)
-    for i in range(len(parents)):
-        mine = closed[i] + open_[i]
-        out.first.append(len(out.pairs))
-        out.count.append(len(mine))
-        out.block0.append(out.block_size)
-        out.block_size += len(mine) ** 2
-        out.pairs += [(i, link) for link in mine]
-    out.ground = len(out.pairs)
-    together = [open_[i] for i, parent in enumerate(parents) if parent == GROUND]
-    ground = banded(ground, together)
-    out.pairs += [(GROUND, link) for link in ground]
-    out.base, out.stride, out.band, out.block_size = lay_out(ground, together, out.block_size)
-    return out
+from fmbd.system.columns import GROUND, share_out, touched_bodies
 
 
 def couplings(planar: Planar) -> Couplings:
@@ -138,10 +90,8 @@ def _place(
 ) -> Couplings:
     """Number pieces, ends and shares."""
     bodies, stations, terms = planar.bodies, planar.stations, planar.terms
-    touched = [
-        {int(stations[int(terms[j][end])].body) for j, _ in pieces for end in "ab"} for _, _, pieces in links
-    ]
     parents = [int(p) for p in bodies["parent"]]
+    touched = [touched_bodies(stations, terms, [j for j, _ in pieces]) for _, _, pieces in links]
     shares = share_out(parents, touched)
     places = make(bodies.size, PLACE)
     places.nr = np.where(bodies.nf > 0, bodies.nrow + 2, 0)
@@ -149,12 +99,11 @@ def _place(
     places.matrix0 = np.cumsum(places.nr**2) - places.nr**2
     places.slot0, places.nslot = shares.first, shares.count
     places.closed, places.block0 = shares.closed, shares.block0
-    index = {pair: k for k, pair in enumerate(shares.pairs)}
-    share = make(len(shares.pairs), SHARE)
+    index = shares.index
+    share = make(len(index), SHARE)
     row0 = 0
-    for k, (i, link) in enumerate(shares.pairs):
-        parent = index.get((parents[i], link), -1) if i != GROUND else -1
-        share[k] = (link, parent, row0)
+    for (i, link), k in index.items():
+        share[k] = (link, shares.above(parents, i, link), row0)
         row0 += int(places[i].nr) if i != GROUND else 0
     ends: dict[tuple[int, int], int] = {}
     for k, (_, _, pieces) in enumerate(links):
@@ -167,9 +116,9 @@ def _place(
     end = make(len(order), END)
     for n, (k, station) in enumerate(order):
         end[n] = (k, station, index[ends[k, station], k])
-    for i, place in enumerate(places):
-        mine = [n for n, pair in enumerate(order) if ends[pair] == i] if order else []
-        place.end0, place.nend = (mine[0] if mine else 0), len(mine)
+    owners = [ends[pair] for pair in order]
+    places.end0 = np.searchsorted(owners, np.arange(bodies.size), "left")
+    places.nend = np.searchsorted(owners, np.arange(bodies.size), "right") - places.end0
     link, piece = make(len(links), LINK), make(sum(len(p) for _, _, p in links), PIECE)
     n = 0
     for k, (kind, what, pieces) in enumerate(links):
