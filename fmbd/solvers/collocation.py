@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fmbd.planar.compile import compiled, inner, part
-from fmbd.solvers.implicit import add, begin, evaluate, factor_shifted, project_in_step, solve_shifted, write
+from fmbd.solvers.implicit import add, begin, close_step, evaluate, factor_shifted, solve_shifted, write
 from fmbd.solvers.steps import (
     ACCEPTED,
     AFTER_REJECTION,
@@ -26,7 +26,6 @@ from fmbd.solvers.steps import (
     LAST_STEP,
     NOW,
     OFF_CONSTRAINTS,
-    PROJECTIONS,
     RUNNING,
     STEP,
     STEP_TOO_SMALL,
@@ -35,7 +34,6 @@ from fmbd.solvers.steps import (
     copy,
     interpolate,
     is_finite,
-    moved,
     norm,
     plan_next,
     rejection,
@@ -105,13 +103,10 @@ def advance_collocation(
             continue
         end = min(clock[NOW] + clock[STEP], clock[BEFORE_BREAK])
         S = method.mu / clock[STEP]
-        copy(mem.trial, mem.error)
-        taken = project_in_step(sys, work, base, couplings, real.tan, S, end, real.x, mem, options.closed)
-        if taken < 0 or moved(mem, options) > 1.0:
+        if not close_step(sys, work, base, couplings, real.tan, S, end, real.x, mem, options, 1.0):
             if not shorten(mem, 0.25, options):
                 return filled, OFF_CONSTRAINTS
             continue
-        count[PROJECTIONS] += taken
         plan_next(mem, err, s + 1)
         if clock[FACTORED] > 0.0 and clock[STEP] <= clock[WANTED] <= _NOT_WORTH * clock[STEP]:
             clock[WANTED] = clock[STEP]

@@ -27,43 +27,33 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fmbd.planar.compile import compiled, inner, part
-from fmbd.planar.equations import derivatives
-from fmbd.solvers.newton import FINISH, RESIDUAL, UNKNOWN, newton, project, smooth
+from fmbd.planar.compile import compiled, part
+from fmbd.solvers.implicit import begin, close_step, evaluate, write
+from fmbd.solvers.newton import FINISH, RESIDUAL, UNKNOWN, newton, smooth
 from fmbd.solvers.steps import (
     AFTER_REJECTION,
     BEFORE_BREAK,
-    BODY,
-    EVALUATIONS,
     FRESH,
+    INTERPOLANT,
     LAST_STEP,
-    NO_INERTIA,
-    NOT_A_NUMBER,
     NOW,
     OFF_CONSTRAINTS,
-    PHASE,
     RUNNING,
     STEP,
     STEP_TOO_SMALL,
     WANTED,
     accept,
-    aim,
     copy,
-    euler_step,
-    first_step,
-    interpolate,
-    is_finite,
-    moved,
     norm,
-    pass_breaks,
     plan_next,
     rejection,
     shorten,
 )
 
-#: Rows of Memory.k beside those of newton.py: rates at the start of this step and of the last, a, its given part.
-START, EARLIER, ALPHA, GIVEN = range(3, 7)
-ROWS = 7
+#: Rows of Memory.k beside those of newton.py: rates at the start of this step and of the last, a, its given part, and
+#: scratch.
+START, EARLIER, ALPHA, GIVEN, SCRATCH = range(3, 8)
+ROWS = 8
 # local errors are of this order
 _ORDER = 3
 
@@ -106,26 +96,20 @@ def advance_generalized_alpha(
     count, clock = mem.counters, mem.clock
     filled, tried = 0, 0
     while True:
-        filled = _write(mem, times, out, filled)
+        filled = write(mem, times, out, filled)
         if filled == times.size or tried == attempts:
             return filled, RUNNING
         tried += 1
-        pass_breaks(mem, breaks)
-        if count[FRESH] == 1:
-            failed = _evaluate(sys, work, clock[NOW], mem.y, mem.k[START], mem)
-            if failed >= 0:
-                count[BODY] = failed
-                return filled, NO_INERTIA
-            if not is_finite(mem.k[START]):
-                return filled, NOT_A_NUMBER
-            count[FRESH] = 0
-            count[PHASE] = 0
         if clock[WANTED] == 0.0:
             clock[WANTED] = method.step
-            if method.step == 0.0:
-                _guess_step(sys, work, mem, options)
-        aim(mem, options)
-        d, c, bq, bv = _weights(method, count[PHASE], clock[STEP])
+        guessing = clock[WANTED] == 0.0
+        status = begin(sys, work, work, _ORDER, mem.k[START], mem.k[FINISH], mem, breaks, options)
+        if status != RUNNING:
+            return filled, status
+        if guessing:
+            # the multipliers at the start
+            evaluate(sys, work, clock[NOW], mem.y, mem.k[START], mem)
+        d, c, bq, bv = _weights(method, count[INTERPOLANT], clock[STEP])
         _predict(sys.nq, method, d, c, bq, bv, mem)
         t = min(clock[NOW] + clock[STEP], clock[BEFORE_BREAK])
         status = newton(sys, work, couplings, tan, method.stabilised, t, bq, bv, mem, options)
@@ -135,10 +119,8 @@ def advance_generalized_alpha(
             if not err <= 1.0:
                 status, shrink = STEP_TOO_SMALL, rejection(err, _ORDER)
         if status == RUNNING and method.stabilised:
-            copy(mem.trial, mem.error)
-            closed = project(sys, work, couplings, tan, bv, mem, options.closed)
-            # moved by more than the step's error: the other branch of a fold is not the way on
-            if not closed or (method.step == 0.0 and moved(mem, options) > 1.0):
+            most = 1.0 if method.step == 0.0 else np.inf
+            if not close_step(sys, work, work, couplings, tan, bv, t, mem.k[SCRATCH], mem, options, most):
                 status = OFF_CONSTRAINTS
         if status != RUNNING:
             # once more: with rates that obey the equations, without what rings in them
@@ -146,7 +128,7 @@ def advance_generalized_alpha(
             if not shorten(mem, shrink, options):
                 return filled, status
             # the multipliers at the start
-            _evaluate(sys, work, clock[NOW], mem.y, mem.k[RESIDUAL], mem)
+            evaluate(sys, work, clock[NOW], mem.y, mem.k[RESIDUAL], mem)
             continue
         if method.step == 0.0:
             plan_next(mem, err, _ORDER)
@@ -154,44 +136,12 @@ def advance_generalized_alpha(
             clock[WANTED] = method.step
         accept(mem)
         _finish(sys.nq, c, mem)
-        count[PHASE] = 1
-
-
-@inner
-def _evaluate(sys: Any, work: Any, t: float, y: np.ndarray, dy: np.ndarray, mem: Any) -> int:
-    """dy = f(t, y)."""
-    mem.counters[EVALUATIONS] += 1
-    return derivatives(sys, work, t, y, dy, 0.0, 0.0)
-
-
-@inner
-def _write(mem: Any, times: np.ndarray, out: np.ndarray, filled: int) -> int:
-    """Write the output times that have been reached."""
-    now = mem.clock[NOW]
-    while filled < times.size and times[filled] <= now:
-        if times[filled] == now:
-            copy(mem.y, out[filled])
-        else:
-            interpolate(mem, times[filled], out[filled])
-        filled += 1
-    return filled
 
 
 @part
-def _guess_step(sys: Any, work: Any, mem: Any, options: Any) -> None:
-    clock, f0, f1 = mem.clock, mem.k[START], mem.k[FINISH]
-    clock[STEP] = euler_step(f0, mem, options)
-    for i in range(mem.y.size):
-        mem.trial[i] = mem.y[i] + clock[STEP] * f0[i]
-    _evaluate(sys, work, clock[NOW] + clock[STEP], mem.trial, f1, mem)
-    clock[WANTED] = first_step(f0, f1, _ORDER, mem, options)
-    _evaluate(sys, work, clock[NOW], mem.y, f0, mem)
-
-
-@part
-def _weights(method: Any, steps: int, h: float) -> tuple[float, float, float, float]:
-    """(d, c) of q1'' in a at start and end of the step, (bq, bv) in q1 and v1."""
-    d = method.lead if steps == 0 else 0.0
+def _weights(method: Any, going: int, h: float) -> tuple[float, float, float, float]:
+    """(d, c) of q1'' in a at start and end of the step, (bq, bv) in q1 and v1; going: 0 at a start."""
+    d = method.lead if going == 0 else 0.0
     c = (1.0 - method.af - method.am * d) / (1.0 - method.am)
     bq = h * h * ((0.5 - method.beta) * d + method.beta * c)
     return d, c, bq, h * ((1.0 - method.gamma) * d + method.gamma * c)
@@ -204,7 +154,7 @@ def _predict(n: int, method: Any, d: float, c: float, bq: float, bv: float, mem:
     f0, f1, a, given = mem.k[START], mem.k[FINISH], mem.k[ALPHA], mem.k[GIVEN]
     for i in range(n, y.size - 2):
         near = f0[i] * (1.0 - d)
-        if mem.counters[PHASE] > 0:
+        if mem.counters[INTERPOLANT] == 1:
             near += h / mem.clock[LAST_STEP] * (a[i] - f0[i])
         far = (method.af * f0[i] - method.am * near) / (1.0 - method.am)
         f1[i], given[i] = f0[i], far
@@ -223,7 +173,7 @@ def _error(
     f0, f1, earlier, rz = mem.k[START], mem.k[FINISH], mem.k[EARLIER], mem.k[RESIDUAL, 2 * n : y.size - 2]
     for i in range(n, y.size - 2):
         error[i] = trial[i] - y[i] - 0.5 * h * (f0[i] + f1[i])
-        if mem.counters[PHASE] > 0:
+        if mem.counters[INTERPOLANT] == 1:
             error[i] += h * h / (6.0 * (h + h0)) * ((f1[i] - f0[i]) - h / h0 * (f0[i] - earlier[i]))
         if i < 2 * n:
             error[i - n] = trial[i - n] - y[i - n] - h * (y[i] + h * (2.0 * f0[i] + f1[i]) / 6.0)
@@ -255,3 +205,4 @@ def _finish(n: int, c: float, mem: Any) -> None:
         F[2, i] = F[0, i] - F[1, i] - h * f1[i]
     copy(f0, mem.k[EARLIER])
     copy(f1, f0)
+    mem.counters[INTERPOLANT] = 1

@@ -1,4 +1,4 @@
-"""What implicit methods share: solutions of (S - J) U = R, the projection in the step's own metric, output.
+"""What implicit methods share: begin, solutions of (S - J) U = R, the projection in the step's own metric, output.
 
     J     derivative of f at the state of `base`, a Work; S - J is factored in `tan`
     S     1 / (h gamma), weight of the step
@@ -6,8 +6,8 @@ With J of the constrained equations, dv' = da: U_q = (U_v + R_q) / S and the lin
 dq = U_q, dv = U_v, dq'' = S U_v - R_v. In x = S U_q: dq = x / S, dv = x - R_q, dq'' = S x - S R_q - R_v.
 S is complex where a method has complex stages.
 
-Steps end with a projection onto the constraints in the metric of the step itself, S^2 M + S D + K with the
-tangent at its start: in that of the mass alone it would stretch stiff modes by what a soft joint could give.
+Steps end with a projection onto the constraints in the metric of the step itself, S^2 M + S D + K with its
+tangent: in that of the mass alone it would stretch stiff modes by what a soft joint could give.
 """
 
 from typing import Any
@@ -31,6 +31,7 @@ from fmbd.solvers.steps import (
     NO_INERTIA,
     NOT_A_NUMBER,
     NOW,
+    PROJECTIONS,
     RUNNING,
     STEP,
     WANTED,
@@ -40,6 +41,7 @@ from fmbd.solvers.steps import (
     first_step,
     interpolate,
     is_finite,
+    moved,
     pass_breaks,
 )
 
@@ -164,26 +166,30 @@ def solve_shifted(
 
 
 @inner
-def project_in_step(
+def close_step(
     sys: Any,
     work: Any,
     base: Any,
     couplings: Any,
     tan: Any,
-    S: float,
+    gain: float,
     t: float,
     x: np.ndarray,
     mem: Any,
-    tolerance: float,
-) -> int:
-    """Move mem.trial onto the constraints, place and velocity; returns the steps taken, or -1 if it could not be.
+    options: Any,
+    most: float,
+) -> bool:
+    """Move the end of a step, at time t, in mem.trial onto the constraints, place and velocity; False if it cannot be.
 
-    x: as in solve_shifted.
+    gain: weight of the unknown of `tan` in the derivative by which `tan` takes the constraints (S for the second).
+    x: as in solve_shifted. most: how far, in tolerances: by more than the step's error, it is the other branch of a
+    fold, which is not the way on.
     """
     nc, n = sys.constraints.size, sys.nq
     if nc == 0:
-        return 0
+        return True
     q, v = mem.trial[:n], mem.trial[n : 2 * n]
+    copy(mem.trial, mem.error)
     evaluate_signals(sys.signals, sys.program, sys.table, work.stack, t, work.signal)
     before, before_rate = np.inf, np.inf
     for taken in range(12):
@@ -193,31 +199,41 @@ def project_in_step(
         for c in range(nc):
             value, rate, _ = constraint(sys.constraints[c], work.lengths, work.signal)
             worst, worst_rate = max(worst, abs(value)), max(worst_rate, abs(rate))
-        there = settled(worst, before, tolerance, work.points)
-        if there and settled(worst_rate, before_rate, 10.0 * tolerance, work.points):
-            return taken
+        there = settled(worst, before, options.closed, work.points)
+        if there and settled(worst_rate, before_rate, 10.0 * options.closed, work.points):
+            if moved(mem, options) > most:
+                return False
+            mem.counters[PROJECTIONS] += taken
+            return True
         if not worst + worst_rate < 1e300 or (taken > 1 and worst > before and worst_rate > before_rate):
-            return -1
+            return False
+        # moving places changes rates, too
         before, before_rate = worst, worst_rate if there else np.inf
         if not there:
-            _correct(sys, work, base, couplings, tan, True, -S * S, x)
-            for i in range(n):
-                q[i] += x[i] / S
-        _correct(sys, work, base, couplings, tan, False, -S, x)
-        for i in range(n):
-            v[i] += x[i]
-    return -1
+            _correct(sys, work, base, couplings, tan, True, gain, x, q)
+        _correct(sys, work, base, couplings, tan, False, gain, x, v)
+    return False
 
 
 @part
 def _correct(
-    sys: Any, work: Any, base: Any, couplings: Any, tan: Any, place: bool, weight: float, x: np.ndarray
+    sys: Any,
+    work: Any,
+    base: Any,
+    couplings: Any,
+    tan: Any,
+    place: bool,
+    gain: float,
+    x: np.ndarray,
+    out: np.ndarray,
 ) -> None:
-    """x that takes Phi (place) or Phi' back, with the tangent of the step."""
+    """Take Phi (place) or Phi' back by moving `out`, with the tangent of the step."""
     n = sys.nq
     give_states(sys, couplings, tan, x[2 * n :])
     for c in range(sys.constraints.size):
         value, rate, _ = constraint(sys.constraints[c], work.lengths, work.signal)
         # links begin with the constraints
-        tan.rhs[c] = weight * (value if place else rate)
+        tan.rhs[c] = -(value if place else rate)
     back_substitute(sys, couplings, base, tan, x[n : 2 * n], x[n : 2 * n], x[n : 2 * n], x[:n])
+    for i in range(n):
+        out[i] += gain * x[i]

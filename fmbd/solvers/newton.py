@@ -1,4 +1,4 @@
-"""The end of an implicit step by Newton's method on the equations of motion, and the other uses of its tangent.
+"""The end of an implicit step by Newton's method on the equations of motion, and errors passed through its tangent.
 
 The unknown x is the change of q'' at the end, with dq = bq x and dv = bv x; of a first-order state it is the change dz,
 that of its rate is dz / bv. Mem.trial and the row FINISH of Mem.k are the iterate, `work` keeps its multipliers.
@@ -11,8 +11,6 @@ import numpy as np
 
 from fmbd.planar.compile import inner, part
 from fmbd.planar.equations import constraint, settled
-from fmbd.planar.kinematics import kinematics
-from fmbd.planar.pathways import pathways
 from fmbd.planar.residual import residual
 from fmbd.planar.tangent import factor
 from fmbd.planar.tangent_solve import back_substitute, give_states, put_back_states
@@ -20,7 +18,6 @@ from fmbd.solvers.steps import (
     EVALUATIONS,
     FACTORISATIONS,
     OFF_CONSTRAINTS,
-    PROJECTIONS,
     RUNNING,
     STEP_TOO_SMALL,
 )
@@ -142,48 +139,3 @@ def smooth(
     put_back_states(sys, couplings, work, tan, x, nothing, rz, bq, bv, bv, dz)
     for i in range(n):
         error[i] = weight * x[i]
-
-
-@inner
-def project(sys: Any, work: Any, couplings: Any, tan: Any, bv: float, mem: Any, tolerance: float) -> bool:
-    """Move mem.trial onto the constraints, place and velocity, by a tangent of level 1; False if it could not be."""
-    nc, n = sys.constraints.size, sys.nq
-    q, v = mem.trial[:n], mem.trial[n : 2 * n]
-    before, before_rate = np.inf, np.inf
-    for _ in range(_MOST):
-        worst, worst_rate = 0.0, 0.0
-        kinematics(sys, work, q, v)
-        pathways(sys, work)
-        for c in range(nc):
-            place, rate, _ = constraint(sys.constraints[c], work.lengths, work.signal)
-            worst, worst_rate = max(worst, abs(place)), max(worst_rate, abs(rate))
-        there = settled(worst, before, tolerance, work.points)
-        if there and settled(worst_rate, before_rate, 10.0 * tolerance, work.points):
-            return True
-        if not worst + worst_rate < 1e300:
-            return False
-        # moving places changes rates, too
-        before, before_rate = worst, worst_rate if there else np.inf
-        mem.counters[PROJECTIONS] += 1
-        if not there:
-            _correct(sys, work, couplings, tan, True, bv, mem, q)
-        _correct(sys, work, couplings, tan, False, bv, mem, v)
-    return False
-
-
-@inner
-def _correct(
-    sys: Any, work: Any, couplings: Any, tan: Any, places: bool, bv: float, mem: Any, out: np.ndarray
-) -> None:
-    """Take Phi (places) or Phi' back."""
-    n, X = sys.nq, mem.k[UNKNOWN]
-    nothing, rz = X[n : 2 * n], mem.k[RESIDUAL, 2 * n : mem.y.size - 2]
-    for i in range(rz.size):
-        rz[i] = 0.0
-    give_states(sys, couplings, tan, rz)
-    for c in range(sys.constraints.size):
-        place, rate, _ = constraint(sys.constraints[c], work.lengths, work.signal)
-        tan.rhs[c] = -(place if places else rate)
-    back_substitute(sys, couplings, work, tan, nothing, nothing, nothing, X[:n])
-    for i in range(n):
-        out[i] += bv * X[i]

@@ -13,15 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fmbd.planar.compile import compiled, part
-from fmbd.solvers.implicit import (
-    add,
-    begin,
-    evaluate,
-    factor_shifted,
-    project_in_step,
-    solve_shifted,
-    write,
-)
+from fmbd.solvers.implicit import add, begin, close_step, evaluate, factor_shifted, solve_shifted, write
 from fmbd.solvers.steps import (
     BEFORE_BREAK,
     FRESH,
@@ -29,7 +21,6 @@ from fmbd.solvers.steps import (
     LAST_STEP,
     NOW,
     OFF_CONSTRAINTS,
-    PROJECTIONS,
     RUNNING,
     STEP,
     STEP_TOO_SMALL,
@@ -37,7 +28,6 @@ from fmbd.solvers.steps import (
     copy,
     interpolate,
     is_finite,
-    moved,
     norm,
     plan_next,
     rejection,
@@ -102,8 +92,7 @@ def advance_rosenbrock(
 
     steady: f does not depend on time between breakpoints.
     """
-    count, clock = mem.counters, mem.clock
-    s = method.alpha.size
+    clock, s = mem.clock, method.alpha.size
     filled, tried = 0, 0
     f0 = mem.k[s]
     while True:
@@ -128,13 +117,10 @@ def advance_rosenbrock(
             continue
         end = min(clock[NOW] + clock[STEP], clock[BEFORE_BREAK])
         S = 1.0 / (clock[STEP] * method.gamma)
-        copy(mem.trial, mem.error)
-        taken = project_in_step(sys, work, base, couplings, tan, S, end, mem.k[s + 4], mem, options.closed)
-        if taken < 0 or moved(mem, options) > 1.0:
+        if not close_step(sys, work, base, couplings, tan, S, end, mem.k[s + 4], mem, options, 1.0):
             if not shorten(mem, 0.25, options):
                 return filled, OFF_CONSTRAINTS
             continue
-        count[PROJECTIONS] += taken
         plan_next(mem, err, method.order)
         accept(mem)
         _finish(sys, work, base, method, mem, end)
