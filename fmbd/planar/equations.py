@@ -43,6 +43,22 @@ def accelerations(
     pull = omega^2; both 0: the plain second derivative).
     Returns the index of a body whose joint has no inertia (or -1), the power dissipated and the power put in [W].
     """
+    dissipated, power = forces_of_state(sys, work, t, q, v, z, dz)
+    for c in range(sys.constraints.size):
+        value, rate, second = constraint(sys.constraints[c], work.lengths, work.signal)
+        work.reactions[c].target = -second - drag * rate - pull * value
+    failed = solve(sys, work, q, qdd)
+    return failed, dissipated, power + driving_power(sys, work)
+
+
+@part
+def forces_of_state(
+    sys: Any, work: Any, t: float, q: np.ndarray, v: np.ndarray, z: np.ndarray, dz: np.ndarray
+) -> tuple[float, float]:
+    """All that follows from time and state: places, rates and forces, in `work`, and z' (nz,).
+
+    Returns the power dissipated and the power that motors and loads put in [W].
+    """
     evaluate_signals(sys.signals, sys.program, sys.table, work.stack, t, work.signal)
     if sys.online_compensation == 1:
         compensate_gravity(sys, work, q)
@@ -51,11 +67,7 @@ def accelerations(
     clear_forces(work.frames, work.rows)
     dissipated, power = applied_forces(sys, work, z, dz)
     dissipated += body_forces(sys, work, q, v)
-    for c in range(sys.constraints.size):
-        value, rate, second = constraint(sys.constraints[c], work.lengths, work.signal)
-        work.reactions[c].target = -second - drag * rate - pull * value
-    failed = solve(sys, work, q, qdd)
-    return failed, dissipated, power + driving_power(sys, work)
+    return dissipated, power
 
 
 @compiled

@@ -12,13 +12,9 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import compiled, inner, part, part_sums
-from fmbd.planar.equations import driving_power
-from fmbd.planar.forces import applied_forces, body_forces, clear_forces
-from fmbd.planar.gravity_compensation import compensate_gravity
-from fmbd.planar.kinematics import kinematics
-from fmbd.planar.pathways import pathways, put_force
+from fmbd.planar.equations import driving_power, forces_of_state
+from fmbd.planar.pathways import put_force
 from fmbd.planar.recursion import joint_direction, outer_acceleration
-from fmbd.planar.signals import evaluate_signals
 
 
 @inner
@@ -37,14 +33,7 @@ def residual(
 
     Returns the power dissipated and the power put in [W].
     """
-    evaluate_signals(sys.signals, sys.program, sys.table, work.stack, t, work.signal)
-    if sys.online_compensation == 1:
-        compensate_gravity(sys, work, q)
-    kinematics(sys, work, q, v)
-    pathways(sys, work)
-    clear_forces(work.frames, work.rows)
-    dissipated, power = applied_forces(sys, work, z, dz)
-    dissipated += body_forces(sys, work, q, v)
+    dissipated, power = forces_of_state(sys, work, t, q, v, z, dz)
     for c in range(sys.constraints.size):
         path = sys.pathways[sys.constraints[c].pathway]
         multiplier = work.reactions[c].multiplier
