@@ -105,9 +105,9 @@ def _given_rows(
 
 @part
 def _through(
-    station: Any, shift: int, f: Any, at: np.ndarray, tan: Any, X0: np.ndarray, sign: float, out: Any
-) -> None:
-    """Motion given to a station from that of its body's frame (sign +1), or back (-1); angles apart."""
+    station: Any, shift: int, f: Any, at: np.ndarray, tan: Any, X0: np.ndarray
+) -> tuple[Any, Any, Any, Any]:
+    """(u, a) given to a station beyond that of its body's frame."""
     w0, alpha0 = X0[0], X0[1]
     ux, uy = -w0 * at[1], w0 * at[0]
     ax, ay = -alpha0 * at[1] - 2.0 * w0 * at[3], alpha0 * at[0] + 2.0 * w0 * at[2]
@@ -117,10 +117,7 @@ def _through(
         uy += f.c * rate
         ax += -f.s * acc - 2.0 * f.w * f.c * rate
         ay += f.c * acc - 2.0 * f.w * f.s * rate
-    out[2] += sign * ux
-    out[3] += sign * uy
-    out[4] += sign * ax
-    out[5] += sign * ay
+    return ux, uy, ax, ay
 
 
 @part
@@ -135,9 +132,9 @@ def _given_motion(b: Any, sys: Any, work: Any, tan: Any, cp: Any, v0: np.ndarray
         outer, p = sys.stations[b.outer], work.frames[b.parent]
         shift = cp.places[b.parent].row0 - sys.bodies[b.parent].row0
         P0 = tan.bodies[b.parent].X0
-        for j in range(6):
-            X0[j] = P0[j]
-        _through(outer, shift, p, tan.relative[b.outer], tan, P0, 1.0, X0)
+        ux, uy, ax, ay = _through(outer, shift, p, tan.relative[b.outer], tan, P0)
+        X0[0], X0[1] = P0[0], P0[1]
+        X0[2], X0[3], X0[4], X0[5] = P0[2] + ux, P0[3] + uy, P0[4] + ax, P0[5] + ay
         if outer.row_s >= 0:
             X0[0] += tan.rate0[shift + outer.row_s]
             X0[1] += tan.acc0[shift + outer.row_s]
@@ -167,7 +164,11 @@ def _given_motion(b: Any, sys: Any, work: Any, tan: Any, cp: Any, v0: np.ndarray
     if inner.row_s >= 0:
         X0[0] -= tan.rate0[shift + inner.row_s]
         X0[1] -= tan.acc0[shift + inner.row_s]
-    _through(inner, shift, f, tan.relative[b.inner], tan, X0, -1.0, X0)
+    ux, uy, ax, ay = _through(inner, shift, f, tan.relative[b.inner], tan, X0)
+    X0[2] -= ux
+    X0[3] -= uy
+    X0[4] -= ax
+    X0[5] -= ay
 
 
 @part
@@ -200,22 +201,15 @@ def _given_inertia(point: Any, sys: Any, work: Any, tan: Any, places: Any) -> No
 @part
 def _given_end(end: Any, e: int, sys: Any, f: Any, tb: Any, place: Any, tan: Any) -> None:
     """What the given motion of a station contributes to a link."""
-    station, row, X0, at = sys.stations[end.station], tan.rows[e], tb.X0, tan.relative[end.station]
+    station, row, X0 = sys.stations[end.station], tan.rows[e], tb.X0
     shift = place.row0 - sys.bodies[station.body].row0
     w0, alpha0 = X0[0], X0[1]
-    ux, uy = X0[2] - w0 * at[1], X0[3] + w0 * at[0]
-    ax, ay = X0[4] - alpha0 * at[1] - 2.0 * w0 * at[3], X0[5] + alpha0 * at[0] + 2.0 * w0 * at[2]
-    if station.row_w >= 0:
-        rate, acc = tan.rate0[shift + station.row_w], tan.acc0[shift + station.row_w]
-        ux -= f.s * rate
-        uy += f.c * rate
-        ax += -f.s * acc - 2.0 * f.w * f.c * rate
-        ay += f.c * acc - 2.0 * f.w * f.s * rate
+    ux, uy, ax, ay = _through(station, shift, f, tan.relative[end.station], tan, X0)
     if station.row_s >= 0:
         w0 += tan.rate0[shift + station.row_s]
         alpha0 += tan.acc0[shift + station.row_s]
-    value = row[1] * w0 + row[2] * alpha0 + row[3] * ax + row[4] * ay + row[7] * ux + row[8] * uy
-    tan.rhs[end.link] -= value
+    value = row[1] * w0 + row[2] * alpha0 + row[3] * (X0[4] + ax) + row[4] * (X0[5] + ay)
+    tan.rhs[end.link] -= value + row[7] * (X0[2] + ux) + row[8] * (X0[3] + uy)
 
 
 @part
