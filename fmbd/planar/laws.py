@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import compiled, inner, part
+from fmbd.planar.tables import piece
 
 LINEAR, STOP, BACKLASH, FRICTION, TABLE = range(5)
 
@@ -86,19 +87,12 @@ def _friction(p: np.ndarray, v: float) -> Law:
 
 @part
 def _curve(curves: np.ndarray, start: int, count: int, s: float) -> Law:
-    """The pieces are in order; the first one stands for all that is before it."""
-    low, high = start, start + count
-    while high - low > 1:
-        middle = (low + high) // 2
-        if curves[middle, 0] <= s:
-            low = middle
-        else:
-            high = middle
-    x, c0, c1, c2, c3 = s - curves[low, 0], curves[low, 1], curves[low, 2], curves[low, 3], curves[low, 4]
+    k = piece(curves, start, start + count, s)
+    x, c0, c1, c2, c3 = s - curves[k, 0], curves[k, 1], curves[k, 2], curves[k, 3], curves[k, 4]
     T = c0 + x * (c1 + x * (c2 + x * c3))
-    k = c1 + x * (2.0 * c2 + x * 3.0 * c3)
-    E = curves[low, 5] + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0)))
-    return -T, k, 0.0, E, 0.0
+    stiffness = c1 + x * (2.0 * c2 + x * 3.0 * c3)
+    E = curves[k, 5] + x * (c0 + x * (c1 / 2.0 + x * (c2 / 3.0 + x * c3 / 4.0)))
+    return -T, stiffness, 0.0, E, 0.0
 
 
 @compiled

@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import compiled, part
+from fmbd.planar.tables import piece
 
 #: A jump comes this much early, relative to the time and to 1 s.
 EARLY = 2e-15
@@ -112,16 +113,10 @@ def _look_up(table: np.ndarray, start: int, count: int, t: float, out: np.ndarra
     if t >= table[last, 0]:
         out[0] = table[last, 1]
         return
-    low, high = start, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        if table[middle, 0] <= t:
-            low = middle
-        else:
-            high = middle
-    x = t - table[low, 0]
-    c1, c2, c3 = table[low, 2], table[low, 3], table[low, 4]
-    out[0] = table[low, 1] + x * (c1 + x * (c2 + x * c3))
+    k = piece(table, start, last, t)
+    x = t - table[k, 0]
+    c1, c2, c3 = table[k, 2], table[k, 3], table[k, 4]
+    out[0] = table[k, 1] + x * (c1 + x * (c2 + x * c3))
     out[1] = c1 + x * (2.0 * c2 + 3.0 * x * c3)
     out[2] = 2.0 * c2 + 6.0 * x * c3
 
