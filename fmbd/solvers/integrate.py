@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fmbd.planar.equations import close_at_start
 from fmbd.solvers.methods import Stepper, start_method
 from fmbd.solvers.samples import sample
 from fmbd.solvers.steps import (
@@ -104,8 +105,6 @@ def integrate(
     y0 = np.concatenate([system.to_modal(start.q), system.to_modal(start.v), start.z, [0.0, 0.0]])
     options = solver_options(system)
     if options.projecting and not system.model.initial.consistent:
-        from fmbd.planar.equations import close_at_start
-
         # a start left inconsistent is moved onto its constraints at once, whatever the length of the first step
         close_at_start(system.planar, system.work, y0, np.zeros(system.planar.nq), options.closed)
     end = float(times[-1])
