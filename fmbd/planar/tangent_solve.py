@@ -1,16 +1,15 @@
 """Right-hand sides of the factored linearised equations (tangent.py), swept outwards, inwards, and outwards again.
 
-X0 = (w0, alpha0, u0, a0)   what the given parts v0, a0 of dv and dq'' add to the motion of a frame; rate0, acc0 of rows
-W, phi                      wrench and row forces that they ask for
-y0, rhs                     rows of a body, coordinates and links, before their own unknowns are put in
+W, phi    wrench and row forces that the given parts of a motion ask for (tangent_given.py)
+y0, rhs   rows of a body, coordinates and links, before their own unknowns are put in
 """
 
 from typing import Any
 
 import numpy as np
 
-from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y
 from fmbd.planar.compile import inner, part, part_sums
+from fmbd.planar.tangent_given import given_end, given_inertia, given_motion, given_rows, given_wrench
 
 
 @inner
@@ -24,13 +23,13 @@ def back_substitute(
     for i in range(sys.bodies.size):
         b, f, tb, place = sys.bodies[i], work.frames[i], tan.bodies[i], cp.places[i]
         if b.nf > 0:
-            _given_rows(b, sys.rows, sys.modal_damping, place, tan, v0, a0, r)
-        _given_motion(b, sys, work, tan, cp, v0, a0)
-        _given_wrench(b, f, tb, place, tan)
+            given_rows(b, sys.rows, sys.modal_damping, place, tan, v0, a0, r)
+        given_motion(b, sys, work, tan, cp, v0, a0)
+        given_wrench(b, f, tb, place, tan)
         for e in range(place.end0, place.end0 + place.nend):
-            _given_end(cp.ends[e], e, sys, f, tb, place, tan)
+            given_end(cp.ends[e], e, sys, f, tb, place, tan)
     for k in range(sys.inertias.size):
-        _given_inertia(sys.inertias[k], sys, work, tan, cp.places)
+        given_inertia(sys.inertias[k], sys, work, tan, cp.places)
     for i in range(sys.bodies.size - 1, -1, -1):
         b, f, tb, place = sys.bodies[i], work.frames[i], tan.bodies[i], cp.places[i]
         at, W = tan.relative[b.inner], tb.W
@@ -66,150 +65,6 @@ def back_substitute(
         if b.nf > 0:
             _put_back_rows(b, sys.rows, place, cp, tan, X, x)
         _inner_to_frame(b, sys.stations[b.inner], tb, place, tan, X)
-
-
-@part_sums
-def _given_rows(
-    b: Any,
-    R: np.ndarray,
-    damping: np.ndarray,
-    place: Any,
-    tan: Any,
-    v0: np.ndarray,
-    a0: np.ndarray,
-    r: np.ndarray,
-) -> None:
-    """Rows of v0 and a0, and y0 = R diag(1/D) (r - a0 - d v0)."""
-    spin = tan.free[b.mode0] * 0.0
-    drift0, drift1 = spin, spin
-    for k in range(b.nf):
-        m = b.mode0 + k
-        free = r[b.first_q + k] - a0[b.first_q + k] - damping[m] * v0[b.first_q + k]
-        tan.free[m] = free
-        spin += tan.eta[0, m] * v0[b.first_q + k]
-        drift0 += tan.eta[0, m] * free * tan.per_D[m]
-        drift1 += tan.eta[1, m] * free * tan.per_D[m]
-    for i in range(b.nrow):
-        rate, acc, total = spin * 0.0, spin * 0.0, spin * 0.0
-        start = b.matrix0 + i * b.nf
-        for k in range(b.nf):
-            rate += R[start + k] * v0[b.first_q + k]
-            acc += R[start + k] * a0[b.first_q + k]
-            total += R[start + k] * tan.free[b.mode0 + k] * tan.per_D[b.mode0 + k]
-        tan.rate0[place.row0 + i], tan.acc0[place.row0 + i], tan.y0[place.row0 + i] = rate, acc, total
-        tan.phi[place.row0 + i] = 0.0
-    last = place.row0 + b.nrow
-    tan.rate0[last], tan.y0[last], tan.y0[last + 1] = spin, drift0, drift1
-    tan.phi[last], tan.phi[last + 1] = 0.0, 0.0
-
-
-@part
-def _through(
-    station: Any, shift: int, f: Any, at: np.ndarray, tan: Any, X0: np.ndarray
-) -> tuple[Any, Any, Any, Any]:
-    """(u, a) given to a station beyond that of its body's frame."""
-    w0, alpha0 = X0[0], X0[1]
-    ux, uy = -w0 * at[1], w0 * at[0]
-    ax, ay = -alpha0 * at[1] - 2.0 * w0 * at[3], alpha0 * at[0] + 2.0 * w0 * at[2]
-    if station.row_w >= 0:
-        rate, acc = tan.rate0[shift + station.row_w], tan.acc0[shift + station.row_w]
-        ux -= f.s * rate
-        uy += f.c * rate
-        ax += -f.s * acc - 2.0 * f.w * f.c * rate
-        ay += f.c * acc - 2.0 * f.w * f.s * rate
-    return ux, uy, ax, ay
-
-
-@part
-def _given_motion(b: Any, sys: Any, work: Any, tan: Any, cp: Any, v0: np.ndarray, a0: np.ndarray) -> None:
-    """X0 of a body from that of its parent."""
-    inner = sys.stations[b.inner]
-    i = inner.body
-    f, tb, X0 = work.frames[i], tan.bodies[i], tan.bodies[i].X0
-    for j in range(6):
-        X0[j] = 0.0
-    if b.parent >= 0:
-        outer, p = sys.stations[b.outer], work.frames[b.parent]
-        shift = cp.places[b.parent].row0 - sys.bodies[b.parent].row0
-        P0 = tan.bodies[b.parent].X0
-        ux, uy, ax, ay = _through(outer, shift, p, tan.relative[b.outer], tan, P0)
-        X0[0], X0[1] = P0[0], P0[1]
-        X0[2], X0[3], X0[4], X0[5] = P0[2] + ux, P0[3] + uy, P0[4] + ax, P0[5] + ay
-        if outer.row_s >= 0:
-            X0[0] += tan.rate0[shift + outer.row_s]
-            X0[1] += tan.acc0[shift + outer.row_s]
-    w0, alpha0 = X0[0], X0[1]
-    if b.coordinate[2] >= 0:
-        X0[0] += b.sign * v0[b.coordinate[2]]
-        X0[1] += b.sign * a0[b.coordinate[2]]
-    if b.sliding == 1:
-        arm = tb.arm
-        first = work.points[b.outer].w
-        if b.sign < 0.0:
-            w0, alpha0, first = X0[0], X0[1], work.points[b.inner].w
-        X0[2] -= w0 * arm[1]
-        X0[3] += w0 * arm[0]
-        X0[4] += -alpha0 * arm[1] - 2.0 * w0 * arm[3]
-        X0[5] += alpha0 * arm[0] + 2.0 * w0 * arm[2]
-        for d in range(2):
-            if b.coordinate[d] >= 0:
-                x = b.sign * (f.jc if d == 0 else -f.js)
-                y = b.sign * (f.js if d == 0 else f.jc)
-                rate, acc = v0[b.coordinate[d]], a0[b.coordinate[d]]
-                X0[2] += x * rate
-                X0[3] += y * rate
-                X0[4] += x * acc - 2.0 * first * y * rate
-                X0[5] += y * acc + 2.0 * first * x * rate
-    shift = cp.places[i].row0 - b.row0
-    if inner.row_s >= 0:
-        X0[0] -= tan.rate0[shift + inner.row_s]
-        X0[1] -= tan.acc0[shift + inner.row_s]
-    ux, uy, ax, ay = _through(inner, shift, f, tan.relative[b.inner], tan, X0)
-    X0[2] -= ux
-    X0[3] -= uy
-    X0[4] -= ax
-    X0[5] -= ay
-
-
-@part
-def _given_wrench(b: Any, f: Any, tb: Any, place: Any, tan: Any) -> None:
-    """Wrench and row forces that the given motion asks of a body on its own."""
-    w0, alpha0, ax, ay = tb.X0[0], tb.X0[1], tb.X0[4], tb.X0[5]
-    S, W = tb.S, tb.W
-    W[0] = b.mass * ax - alpha0 * S[1] - 2.0 * w0 * S[3]
-    W[1] = b.mass * ay + alpha0 * S[0] + 2.0 * w0 * S[2]
-    W[2] = S[0] * ay - S[1] * ax + S[4] * alpha0 + 2.0 * w0 * S[5]
-    if b.nf > 0:
-        r, last = place.row0, place.row0 + b.nrow
-        W[0] += -f.s * tan.acc0[r] - 2.0 * f.w * f.c * tan.rate0[r]
-        W[1] += f.c * tan.acc0[r] - 2.0 * f.w * f.s * tan.rate0[r]
-        W[2] += tan.acc0[r + 1] + 2.0 * f.w * tan.rate0[last]
-        tan.phi[r] += f.c * ay - f.s * ax
-        tan.phi[r + 1] += alpha0
-        tan.phi[last] -= 2.0 * f.w * w0
-
-
-@part
-def _given_inertia(point: Any, sys: Any, work: Any, tan: Any, places: Any) -> None:
-    """The same for a point inertia; that of its frame is in S."""
-    b, f, tb = sys.bodies[point.body], work.frames[point.body], tan.bodies[point.body]
-    row, r = work.rows[point.row], places[point.body].row0 + point.row - b.row0
-    tb.W[2] -= 2.0 * point.value * f.w * row.value * tan.rate0[r]
-    tan.phi[r] += 2.0 * point.value * f.w * row.value * tb.X0[0]
-
-
-@part
-def _given_end(end: Any, e: int, sys: Any, f: Any, tb: Any, place: Any, tan: Any) -> None:
-    """What the given motion of a station contributes to a link."""
-    station, row, X0 = sys.stations[end.station], tan.rows[e], tb.X0
-    shift = place.row0 - sys.bodies[station.body].row0
-    w0, alpha0 = X0[0], X0[1]
-    ux, uy, ax, ay = _through(station, shift, f, tan.relative[end.station], tan, X0)
-    if station.row_s >= 0:
-        w0 += tan.rate0[shift + station.row_s]
-        alpha0 += tan.acc0[shift + station.row_s]
-    value = row[1] * w0 + row[2] * alpha0 + row[3] * (X0[4] + ax) + row[4] * (X0[5] + ay)
-    tan.rhs[end.link] -= value + row[7] * (X0[2] + ux) + row[8] * (X0[3] + uy)
 
 
 @part
@@ -416,128 +271,3 @@ def _inner_to_frame(b: Any, station: Any, tb: Any, place: Any, tan: Any, X: Any)
     if station.row_w >= 0:
         for j in range(len(tan.width) - 1):
             X[1 + j] -= tb.lift[j] * tan.y[shift + station.row_w]
-
-
-@inner
-def give_states(sys: Any, cp: Any, tan: Any, rz: np.ndarray) -> None:
-    """Start the right-hand sides of links and joints with those of the first-order states, rz (nz,)."""
-    for k in range(cp.links.size):
-        tan.rhs[k] = 0.0
-    for i in range(sys.bodies.size):
-        for d in range(3):
-            tan.bodies[i].pull[d] = 0.0
-    for m in range(sys.motors.size):
-        motor = sys.motors[m]
-        effort = tan.effort[m, 0] * 0.0
-        if motor.state >= 0:
-            effort += tan.effort[m, 1] * rz[motor.state]
-        if motor.controller >= 0 and sys.controllers[motor.controller].state >= 0:
-            effort += tan.effort[m, 0] * tan.gains[m, 2] * rz[sys.controllers[motor.controller].state]
-        local = cp.locals[motor.pathway]
-        if local.body >= 0:
-            tan.bodies[local.body].pull[local.direction] += local.coefficient * effort
-        else:
-            tan.rhs[cp.tension_link[motor.pathway]] += effort
-
-
-@inner
-def put_back_states(
-    sys: Any,
-    cp: Any,
-    work: Any,
-    tan: Any,
-    x: np.ndarray,
-    v0: np.ndarray,
-    rz: np.ndarray,
-    bq: Any,
-    bv: Any,
-    per_z: Any,
-    dz: np.ndarray,
-) -> None:
-    """Variation dz (nz,) of currents and integrals, after back_substitute."""
-    for m in range(sys.motors.size):
-        motor = sys.motors[m]
-        command = tan.effort[m, 0] * 0.0
-        if motor.controller >= 0:
-            control = sys.controllers[motor.controller]
-            length, rate = _along(control.pathway, sys, cp, work, tan, x, v0, bq, bv)
-            command -= tan.gains[m, 0] * length + tan.gains[m, 1] * rate
-            if control.state >= 0:
-                given = rz[control.state]
-                dz[control.state] = (given - tan.gains[m, 3] * length) * per_z
-                command += tan.gains[m, 2] * given
-        if motor.state >= 0:
-            _, rate = _along(motor.pathway, sys, cp, work, tan, x, v0, bq, bv)
-            voltage = motor.La * rz[motor.state] + command - motor.Ke * rate
-            dz[motor.state] = voltage * per_z / (motor.La + motor.Ra * per_z)
-
-
-@inner
-def _along(
-    p: int,
-    sys: Any,
-    cp: Any,
-    work: Any,
-    tan: Any,
-    x: np.ndarray,
-    v0: np.ndarray,
-    bq: Any,
-    bv: Any,
-) -> tuple[Any, Any]:
-    """Variation of a pathway's length and rate."""
-    local = cp.locals[p]
-    if local.body >= 0:
-        k = sys.bodies[local.body].coordinate[local.direction]
-        return local.coefficient * bq * x[k], local.coefficient * (bv * x[k] + v0[k])
-    path = sys.pathways[p]
-    length, rate = x[0] * 0.0, x[0] * 0.0
-    for j in range(path.term0, path.term0 + path.nterm):
-        term, g = sys.terms[j], work.geometry[j]
-        a, b = work.points[term.a], work.points[term.b]
-        ta, wa, pax, pay, uax, uay = _station_variation(term.a, sys, cp, work, tan, bv)
-        tb, wb, pbx, pby, ubx, uby = _station_variation(term.b, sys, cp, work, tan, bv)
-        px, py, ux, uy = pbx - pax, pby - pay, ubx - uax, uby - uay
-        e = term.coefficient
-        if term.kind == ANGLE:
-            length += e * bq * (tb - ta)
-            rate += e * (wb - wa)
-            continue
-        length += e * (g.nx * px + g.ny * py)
-        rate += e * (g.nx * ux + g.ny * uy)
-        dx, dy, vx, vy = b.x - a.x, b.y - a.y, b.vx - a.vx, b.vy - a.vy
-        along, across = g.nx * dx + g.ny * dy, g.nx * dy - g.ny * dx
-        if term.kind == DISTANCE:
-            if along > 0.0:
-                rate += e * (g.nx * vy - g.ny * vx) * (g.nx * py - g.ny * px) / along
-        elif term.kind != WORLD_X and term.kind != WORLD_Y:
-            length += e * bq * ta * across
-            rate += e * (wa * across + bq * ta * (g.nx * vy - g.ny * vx))
-            rate += e * a.w * (g.nx * py - g.ny * px - bq * ta * along)
-    return length, rate
-
-
-@part
-def _station_variation(
-    k: int, sys: Any, cp: Any, work: Any, tan: Any, bv: Any
-) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """theta (of place), rate of the angle, place and velocity of a station, as they vary."""
-    station = sys.stations[k]
-    if station.body < 0:
-        zero = tan.turn[k, 0] * 0.0
-        return zero, zero, zero, zero, zero, zero
-    b, f, tb = sys.bodies[station.body], work.frames[station.body], tan.bodies[station.body]
-    shift = cp.places[station.body].row0 - b.row0
-    X, X0, turn, at = tb.X, tb.X0, tan.turn[k], tan.relative[k]
-    theta, w0 = X[0], X0[0]
-    px, py = X[3] + theta * turn[2], X[4] + theta * turn[3]
-    ux, uy = X[5] + theta * turn[4] + X0[2] - w0 * at[1], X[6] + theta * turn[5] + X0[3] + w0 * at[0]
-    if station.row_w >= 0:
-        y, rate = tan.y[shift + station.row_w], tan.rate0[shift + station.row_w]
-        px += tb.lift[2] * y
-        py += tb.lift[3] * y
-        ux += tb.lift[4] * y - f.s * rate
-        uy += tb.lift[5] * y + f.c * rate
-    if station.row_s >= 0:
-        theta += tan.y[shift + station.row_s]
-        w0 += tan.rate0[shift + station.row_s]
-    return theta, bv * theta + w0, px, py, ux, uy

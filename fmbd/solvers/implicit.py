@@ -20,7 +20,8 @@ from fmbd.planar.kinematics import kinematics
 from fmbd.planar.pathways import pathways
 from fmbd.planar.signals import evaluate_signals
 from fmbd.planar.tangent import factor
-from fmbd.planar.tangent_solve import back_substitute, give_states, put_back_states
+from fmbd.planar.tangent_solve import back_substitute
+from fmbd.planar.tangent_states import give_states, put_back_states
 from fmbd.solvers.steps import (
     BEFORE_BREAK,
     BODY,

@@ -13,7 +13,8 @@ from fmbd.planar.compile import inner, part
 from fmbd.planar.equations import constraint, settled
 from fmbd.planar.residual import residual
 from fmbd.planar.tangent import factor
-from fmbd.planar.tangent_solve import back_substitute, give_states, put_back_states
+from fmbd.planar.tangent_solve import back_substitute
+from fmbd.planar.tangent_states import give_states, put_back_states
 from fmbd.solvers.steps import (
     EVALUATIONS,
     FACTORISATIONS,
