@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.arrays import ANGLE
-from fmbd.system.lower import Lowered, place_point
+from fmbd.system.lowered import Lowered, place_point
 
 Array = np.ndarray
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from fmbd.model.names import shortened
-from fmbd.system.lower import Lowered
+from fmbd.system.lowered import Lowered
 
 #: Functions of t whose value jumps, or their rate, and how they are written. What does not depend on t is folded away.
 _JUMPING = {

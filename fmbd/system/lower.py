@@ -5,106 +5,23 @@ Every kind of part becomes stations, pathways and a law. Numbers that depend on 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam, floating_beam
-from fmbd.model import Beam, ControllerRef, GravityCompensation, Model, Placement
-from fmbd.model.motors import Motor
+from fmbd.beams import floating_beam
+from fmbd.model import Beam, Model, Placement
 from fmbd.planar import arrays
-from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
+from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
 from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
 from fmbd.system.columns import place_columns
-from fmbd.system.signals import SignalTable
-from fmbd.system.springs import SpringTable
-from fmbd.system.tree import Link, Tree, spanning_tree
+from fmbd.system.lowered import Lowered, Term, place_point
+from fmbd.system.motors import has_rotor, lower_motors, motor_coordinate, rotor_term
+from fmbd.system.tree import Tree, spanning_tree
 
 #: Elements of one beam, and output times of one run.
 MAX_ELEMENTS = 1000
 MAX_OUTPUTS = 10_000_000
-
-Term = tuple[int, tuple[str, str], tuple[str, str], tuple[float, float], float]
-
-
-@dataclass
-class Lowered:
-    """Names and tables collected on the way; `planar` is complete when `lower` returns."""
-
-    model: Model
-    tree: Tree
-    signals: SignalTable = field(default_factory=SignalTable)
-    body_index: dict[str, int] = field(default_factory=dict)
-    beams: dict[int, FloatingBeam] = field(default_factory=dict)
-    psi: dict[int, np.ndarray] = field(default_factory=dict)
-    omega2: dict[int, np.ndarray] = field(default_factory=dict)
-    modal_damping: dict[int, np.ndarray] = field(default_factory=dict)
-    coordinates: list[tuple[str, str]] = field(default_factory=list)
-    constraints: list[tuple[str, str]] = field(default_factory=list)
-    states: list[tuple[str, str]] = field(default_factory=list)
-    stations: dict[tuple[str, str], int] = field(default_factory=dict)
-    turning: set[tuple[str, str]] = field(default_factory=set)  # stations whose angle matters
-    pathways: dict[Any, int] = field(default_factory=dict)
-    terms: list[list[Term]] = field(default_factory=list)
-    springs: SpringTable = field(default_factory=SpringTable)
-    rest_at_start: list[int] = field(default_factory=list)
-    rest_nearby: list[int] = field(default_factory=list)  # springs to start within half a turn of rest
-    cut_angles: list[tuple[int, str]] = field(
-        default_factory=list
-    )  # pathways that follow a cut joint's angle
-    turns: dict[str, float] = field(default_factory=dict)  # what the angle of a cut joint is counted from
-    relaxed: list[int] = field(default_factory=list)  # pathways that are zero at the start
-    planar: Planar = None  # type: ignore[assignment]
-
-    def outer_point(self, link: Link) -> tuple[str, str]:
-        """Body and point of the parent's side of the joint that carries a body."""
-        joint = self.model.joints[link.joint or self.model.motors[str(link.motor)].joint]
-        ref = joint.between[0 if link.forward else 1]
-        return ref.body, ref.point
-
-    def inner_point(self, link: Link) -> tuple[str, str]:
-        """Body and point of the carried side; a rotor turns about its own origin."""
-        if link.joint is None:
-            return link.name, "axis"
-        ref = self.model.joints[link.joint].between[1 if link.forward else 0]
-        return ref.body, ref.point
-
-    def station(self, body: str, point: str) -> tuple[str, str]:
-        """Ask for a station; its index is known once all are collected."""
-        self.stations.setdefault((body, point), -1)
-        return body, point
-
-    def pathway(self, terms: list[Term]) -> int:
-        """Index of the pathway that is the sum of these terms."""
-        key = tuple(terms)
-        if key not in self.pathways:
-            self.pathways[key] = self.own_pathway(terms)
-        return self.pathways[key]
-
-    def own_pathway(self, terms: list[Term]) -> int:
-        """As `pathway`, but shared with none: the terms of a constraint know its column."""
-        self.terms.append(terms)
-        for kind, a, b, _, _ in terms:
-            if kind == ANGLE:
-                self.turning |= {a, b}
-            elif kind in (ALONG_X, ALONG_Y):
-                self.turning.add(a)
-        return len(self.terms) - 1
-
-    def joint_pathway(self, name: str, direction: str, coefficient: float = 1.0) -> int:
-        """Index of the pathway that is a joint's coordinate times a number."""
-        path = self.pathway([self.joint_term(name, direction, coefficient)])
-        if name in self.tree.cut and direction == "angle":
-            self.cut_angles.append((path, name))
-        return path
-
-    def joint_term(self, name: str, direction: str, coefficient: float = 1.0) -> Term:
-        """A joint's coordinate: the second point seen from the first."""
-        joint = self.model.joints[name]
-        kind = {"x": ALONG_X, "y": ALONG_Y, "angle": ANGLE}[direction]
-        a, b = (self.station(ref.body, ref.point) for ref in joint.between)
-        return kind, a, b, joint.axis if kind != ANGLE else (1.0, 0.0), coefficient
 
 
 def lower(model: Model) -> Lowered:
@@ -114,7 +31,7 @@ def lower(model: Model) -> Lowered:
     _name_bodies(out)
     _joints(out)
     _places(out)
-    motors, controllers = _motors(out)
+    motors, controllers = lower_motors(out)
     _springs(out)
     loads, distributed = _loads(out)
     constraints = _constraints(out)
@@ -135,16 +52,6 @@ def _check_size(model: Model) -> None:
             f"{simulation.output_interval:g} s asks for more than {MAX_OUTPUTS:.0e} outputs of a run "
             f"of {simulation.duration:g} s",
         )
-
-
-def motor_coordinate(model: Model, motor: Motor) -> str:
-    """The coordinate of its joint that a motor moves."""
-    return str(model.joints[motor.joint].motor_coordinate)
-
-
-def has_rotor(motor: Motor) -> bool:
-    """A motor with inertia of its own has a rotor coordinate."""
-    return bool(motor.rotor_inertia > 0.0)
 
 
 def _tree(model: Model) -> Tree:
@@ -214,15 +121,6 @@ def _joints(out: Lowered) -> None:
                 out.springs.add_stops(f"{coordinate}.stop", path, limits)
 
 
-def place_point(model: Model, name: str) -> tuple[str, str]:
-    """Body and point that a `place` entry names: a joint (its first point) or body.point."""
-    if name in model.joints:
-        ref = model.joints[name].between[0]
-        return ref.body, ref.point
-    body, point = name.split(".")
-    return body, point
-
-
 def _places(out: Lowered) -> None:
     """Stations of the points that the start or a controller's target places in the plane."""
     targets = [
@@ -231,102 +129,6 @@ def _places(out: Lowered) -> None:
     for places in (out.model.initial.place, *targets):
         for name in places:
             out.station(*place_point(out.model, name))
-
-
-def _motors(out: Lowered) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Motor and controller records as dictionaries; transmissions become springs (rigid ones: constraints)."""
-    motors: list[dict[str, Any]] = []
-    controllers: list[dict[str, Any]] = []
-    for name, motor in out.model.motors.items():
-        direction = motor_coordinate(out.model, motor)
-        ratio = motor.gear_ratio
-        joint_path = out.joint_pathway(motor.joint, direction)
-        if not has_rotor(motor):
-            shaft = out.joint_pathway(motor.joint, direction, ratio)
-        else:
-            rotor = _rotor_term(out, name, motor, 1.0)
-            shaft = out.pathway([rotor])
-            if motor.transmission is not None:
-                twist = [(*rotor[:4], 1.0 / ratio), out.joint_term(motor.joint, direction, -1.0)]
-                out.relaxed.append(out.pathway(twist))
-                out.springs.add_spring(f"{name}.transmission", out.relaxed[-1], motor.transmission)
-        record: dict[str, Any] = {
-            "pathway": shaft,
-            "joint_pathway": joint_path,
-            "state": -1,
-            "signal": -1,
-            "controller": -1,
-        }
-        if motor.type == "dc":
-            inductance = motor.inductance or 0.0
-            record |= {
-                "electric": 1,
-                "Km": motor.torque_constant,
-                "Ke": motor.back_emf,
-                "Ra": motor.resistance,
-                "La": inductance,
-            }
-            if inductance > 0.0:
-                record["state"] = len(out.states)
-                out.states.append((f"{name}.current", "A"))
-        if isinstance(motor.input, ControllerRef):
-            record["controller"] = len(controllers)
-            controllers.append(_controller(out, name, motor, shaft, joint_path))
-        else:
-            record["signal"] = out.signals.add(motor.input)
-        motors.append(record)
-    return motors, controllers
-
-
-def _rotor_term(out: Lowered, name: str, motor: Any, coefficient: float) -> Term:
-    stator = out.model.joints[motor.joint].between[0]
-    a = out.station(stator.body, stator.point)
-    return ANGLE, a, out.station(f"{name}.rotor", "axis"), (1.0, 0.0), coefficient
-
-
-def _controller(out: Lowered, name: str, motor: Any, shaft: int, joint_path: int) -> dict[str, Any]:
-    """One motor's own instance of its controller; a target given as a place is set by `system.start`."""
-    law = out.model.controllers[motor.input.name]
-    at_rotor = law.measure == "rotor" or (law.measure is None and has_rotor(motor))
-    record: dict[str, Any] = {
-        "pathway": shaft if at_rotor else joint_path,
-        "kp": law.kp,
-        "kd": law.kd,
-        "ki": law.ki if law.type == "pid" else 0.0,
-        "scale": motor.gear_ratio if at_rotor else 1.0,
-        "target": -1,
-        "shift": 0.0,
-        "feedforward": -1,
-        "online": -1,
-        "low": law.limit[0] if law.limit else -np.inf,
-        "high": law.limit[1] if law.limit else np.inf,
-        "state": -1,
-        "gravity_gain": gravity_gain(motor),
-    }
-    if law.type == "pid":
-        record["state"] = len(out.states)
-        out.states.append((f"{name}.error_integral", "rad s"))
-    if isinstance(law.target, dict):
-        if motor.joint not in law.target:
-            raise out.model.error(
-                ("controllers", motor.input.name, "target"),
-                f"gives no target for joint '{motor.joint}' of motor '{name}'",
-            )
-        record["target"] = out.signals.add(law.target[motor.joint])
-    elif not isinstance(law.target, Placement):
-        record["target"] = out.signals.add(law.target)
-    if not isinstance(law.feedforward, GravityCompensation):
-        record["feedforward"] = out.signals.add(law.feedforward)
-    elif law.feedforward.computed == "online":
-        record["online"] = list(out.model.motors).index(name)
-    return record
-
-
-def gravity_gain(motor: Motor) -> float:
-    """Motor input (voltage or torque) that holds a unit torque at the joint: Ra / (Km r), or 1 / r."""
-    if motor.type == "dc":
-        return float(motor.resistance / (motor.torque_constant * motor.gear_ratio))
-    return float(1.0 / motor.gear_ratio)
 
 
 def _springs(out: Lowered) -> None:
@@ -411,7 +213,7 @@ def _constraints(out: Lowered) -> list[tuple[int, int]]:
                 out.cut_angles.append((path, name))
     for name, motor in out.model.motors.items():
         if has_rotor(motor) and motor.transmission is None:
-            rotor = _rotor_term(out, name, motor, 1.0)
+            rotor = rotor_term(out, name, motor)
             direction = motor_coordinate(out.model, motor)
             gear = out.own_pathway([rotor, out.joint_term(motor.joint, direction, -motor.gear_ratio)])
             constraints.append((gear, -1))

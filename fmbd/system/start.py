@@ -14,8 +14,9 @@ from fmbd.model import ControllerRef, GravityCompensation, Placement
 from fmbd.model.controllers import Controller
 from fmbd.planar.laws import STOP
 from fmbd.system.closure import CLOSED, Closure, RigidMechanism, turns
-from fmbd.system.lower import Lowered, motor_coordinate
+from fmbd.system.lowered import Lowered
 from fmbd.system.matrices import gravity_compensation
+from fmbd.system.motors import motor_coordinate
 
 Array = np.ndarray
 

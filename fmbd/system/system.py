@@ -10,7 +10,8 @@ from fmbd.beams import FloatingBeam
 from fmbd.planar.arrays import Planar, Work, allocate
 from fmbd.system.closure import RigidMechanism
 from fmbd.system.drives import check_drives
-from fmbd.system.lower import Lowered, lower, place_point
+from fmbd.system.lower import lower
+from fmbd.system.lowered import Lowered, place_point
 from fmbd.system.matrices import Matrices, matrices
 from fmbd.system.reference import Reference
 from fmbd.system.start import Start, set_targets, solve_start
