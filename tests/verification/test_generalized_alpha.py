@@ -7,7 +7,7 @@ index 3 for every spectral radius below 1. Stabilised, 1 is allowed, too.
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from simulation import load, simulate
+from simulation import STIFF, by_dop853, load, rods, simulate
 
 from fmbd.errors import ModelError
 
@@ -60,7 +60,7 @@ def test_order_two_in_places_rates_multipliers_and_currents(
 ):
     """Half the step, a quarter of the error; Newton takes two corrections with one factorisation."""
     base = changes | {"simulation.duration": duration, "simulation.output_interval": duration / 10}
-    exact = simulate(model, base | {"simulation.method": "dop853", "simulation.rtol": 1e-12})
+    exact = simulate(model, base | by_dop853(1e-12))
     errors = []
     for count in (steps, 2 * steps):
         run = simulate(model, base | generalized_alpha(formulation, radius, duration / count))
@@ -78,7 +78,7 @@ def test_order_two_in_places_rates_multipliers_and_currents(
 def test_adaptive_steps_keep_the_error_in_proportion(rtol, formulation):
     """The error of a step is of order 3, that of the run of order 2: the tolerance to the power 2/3."""
     base = {"simulation.duration": 1, "simulation.output_interval": 0.01}
-    exact = simulate("five_bar.yaml", base | {"simulation.method": "dop853", "simulation.rtol": 1e-12})
+    exact = simulate("five_bar.yaml", base | by_dop853(1e-12))
     run = simulate("five_bar.yaml", base | generalized_alpha(formulation) | {"simulation.rtol": rtol})
     assert run.status == "complete"
     assert deviations(run, exact)[0] < 0.7 * rtol ** (2 / 3)
@@ -132,12 +132,10 @@ def test_the_spectral_radius_says_what_is_left_of_fast_vibrations(radius, left):
 
 
 def test_damped_beams_cost_no_more_steps_as_they_are_refined():
-    changes = {f"bodies.rod_{side}.damping.stiffness_proportional": 5e-5 for side in ("right", "left")}
-    changes |= generalized_alpha() | {"simulation.duration": 0.5, "simulation.rtol": 1e-4}
+    changes = STIFF | generalized_alpha() | {"simulation.duration": 0.5, "simulation.rtol": 1e-4}
     steps = []
     for n in (4, 32):
-        rods = {f"bodies.rod_{side}.elements": n for side in ("right", "left")}
-        steps.append(simulate("five_bar.yaml", changes | rods).statistics["steps"])
+        steps.append(simulate("five_bar.yaml", changes | rods(n)).statistics["steps"])
     assert steps[1] < 1.3 * steps[0]
 
 
@@ -151,7 +149,7 @@ def test_flat_positions_of_the_four_bars_are_passed():
 
 
 def test_friction_and_stops_are_stepped_across():
-    exact = simulate("door.yaml", {"simulation.method": "dop853", "simulation.rtol": 1e-9})
+    exact = simulate("door.yaml", by_dop853(1e-9))
     run = simulate("door.yaml", generalized_alpha() | {"simulation.rtol": 1e-7})
     assert_allclose(run.position, exact.position, rtol=0, atol=1e-4)
 

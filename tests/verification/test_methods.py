@@ -6,7 +6,7 @@ Orders are measured with steps of one length (a tolerance that never binds) agai
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from simulation import simulate
+from simulation import CASES, STIFF, by_dop853, rods, simulate
 
 import fmbd
 from fmbd.model import load_model_text
@@ -23,7 +23,7 @@ def final_state(name, changes):
 def measured_order(name, method, duration, steps, changes):
     """Slope of log error over log step."""
     base = {"simulation.duration": duration} | changes
-    exact = final_state(name, base | {"simulation.method": "dop853", "simulation.rtol": 1e-13})
+    exact = final_state(name, base | by_dop853())
     errors = []
     for count in steps:
         fixed = {
@@ -68,35 +68,19 @@ AGREE = {"rodas5p": 1e-11}
 def test_five_bar_agrees_with_dop853(method, rtol):
     """Case B of the paper, all coordinates and the forces in the closing joint, at ten times."""
     changes = {"simulation.duration": 1, "simulation.output_interval": 0.1}
-    one = simulate("five_bar.yaml", changes | {"simulation.method": "dop853", "simulation.rtol": 1e-13})
+    one = simulate("five_bar.yaml", changes | by_dop853())
     other = simulate("five_bar.yaml", changes | {"simulation.method": method, "simulation.rtol": rtol})
     assert_allclose(other.position, one.position, rtol=0, atol=1e-8)
     assert_allclose(other.multipliers, one.multipliers, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("method, rtol", AGREE.items())
-@pytest.mark.parametrize(
-    "model, end, tolerance",
-    [
-        ("verification/andrews.yaml", 0.03, 1e-8),
-        ("verification/car_axis.yaml", 3, 1e-9),
-        ("slider_crank.yaml", 10, 1e-8),
-        ("four_bars.yaml", 0.5, 1e-8),
-    ],
-)
+@pytest.mark.parametrize("model, end, tolerance", CASES)
 def test_published_cases_agree_with_dop853(method, rtol, model, end, tolerance):
-    """dop853 is compared with the published numbers of these cases in the files named after them."""
     changes = {"simulation.duration": end, "simulation.output_interval": end}
-    one = simulate(model, changes | {"simulation.method": "dop853", "simulation.rtol": 1e-13})
+    one = simulate(model, changes | by_dop853())
     other = simulate(model, changes | {"simulation.method": method, "simulation.rtol": rtol})
     assert_allclose(other.position[-1], one.position[-1], rtol=0, atol=tolerance)
-
-
-STIFF = {f"bodies.rod_{side}.damping.stiffness_proportional": 5e-5 for side in ("right", "left")}
-
-
-def rods(elements):
-    return {f"bodies.rod_{side}.elements": elements for side in ("right", "left")}
 
 
 def test_damped_beams_cost_an_implicit_method_no_more_steps_as_they_are_refined():

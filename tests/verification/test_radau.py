@@ -6,24 +6,15 @@ Orders are slopes of the error at the end over the number of steps, from runs at
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from simulation import simulate
+from simulation import CASES, STIFF, by_dop853, rods, simulate
 
 from fmbd.solvers.radau import radau
 
 STAGES = (3, 5)
-STIFF = {f"bodies.rod_{side}.damping.stiffness_proportional": 5e-5 for side in ("right", "left")}
 
 
 def by_radau(stages, rtol):
     return {"simulation.method": "radau", "simulation.radau.stages": stages, "simulation.rtol": rtol}
-
-
-def by_dop853():
-    return {"simulation.method": "dop853", "simulation.rtol": 1e-13}
-
-
-def rods(elements):
-    return {f"bodies.rod_{side}.elements": elements for side in ("right", "left")}
 
 
 def test_three_stages_have_the_published_coefficients():
@@ -99,17 +90,8 @@ def test_five_bar_agrees_with_dop853(stages):
 
 
 @pytest.mark.parametrize("stages", STAGES)
-@pytest.mark.parametrize(
-    "model, end, tolerance",
-    [
-        ("verification/andrews.yaml", 0.03, 1e-8),
-        ("verification/car_axis.yaml", 3, 1e-9),
-        ("slider_crank.yaml", 10, 1e-8),
-        ("four_bars.yaml", 0.5, 1e-8),
-    ],
-)
+@pytest.mark.parametrize("model, end, tolerance", CASES)
 def test_published_cases_agree_with_dop853(stages, model, end, tolerance):
-    """dop853 is compared with the published numbers of these cases in the files named after them."""
     changes = {"simulation.duration": end, "simulation.output_interval": end}
     one = simulate(model, changes | by_dop853())
     other = simulate(model, changes | by_radau(stages, 1e-11))
