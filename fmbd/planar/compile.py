@@ -77,6 +77,10 @@ def _decorator(**options: Any) -> Decorator:
     return decorate
 
 
+#: An index or a count that is not negative. Numba looks at the sign of any other index, which keeps a loop from using
+#: the processor's vector units.
+index: Any = int if config.DISABLE_JIT else numba.uintp
+
 _INSIDE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 #: A kernel that Python may call.

@@ -11,17 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import part, part_sums
+from fmbd.planar.compile import index, part, part_sums
 
 
 @part_sums
 def free_rows(b: Any, R: np.ndarray, f_eta: np.ndarray, rows: Any) -> None:
     """R f_eta: the row accelerations that the modal forces alone would give."""
+    mode0 = index(b.mode0)
     for r in range(b.nrow):
-        start = b.matrix0 + r * b.nf
+        start = index(b.matrix0 + r * b.nf)
         total = 0.0
-        for k in range(b.nf):
-            total += R[start + k] * f_eta[b.mode0 + k]
+        for k in range(index(b.nf)):
+            total += R[start + k] * f_eta[mode0 + k]
         rows[b.row0 + r].free = total
 
 
@@ -102,10 +103,11 @@ def put_back_rows(
 @part_sums
 def put_back_modes(b: Any, R: np.ndarray, f_eta: np.ndarray, rows: Any, qdd: np.ndarray) -> None:
     """eta'' = f_eta + R^T g."""
-    for k in range(b.nf):
-        qdd[b.first_q + k] = f_eta[b.mode0 + k]
+    first, mode0 = index(b.first_q), index(b.mode0)
+    for k in range(index(b.nf)):
+        qdd[first + k] = f_eta[mode0 + k]
     for r in range(b.nrow):
         force = rows[b.row0 + r].g
-        start = b.matrix0 + r * b.nf
-        for k in range(b.nf):
-            qdd[b.first_q + k] += R[start + k] * force
+        start = index(b.matrix0 + r * b.nf)
+        for k in range(index(b.nf)):
+            qdd[first + k] += R[start + k] * force

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import part, part_sums
+from fmbd.planar.compile import index, part, part_sums
 from fmbd.planar.laws import law
 from fmbd.planar.pathways import put_force, put_wrench
 
@@ -189,10 +189,11 @@ def _modal_forces(
 ) -> tuple[float, float, float]:
     """Centrifugal, elastic and damping forces on each mode; returns eta.eta, eta.eta', dissipated power."""
     square, spin, loss = 0.0, 0.0, 0.0
-    for k in range(b.nf):
-        eta, rate = q[b.first_q + k], v[b.first_q + k]
-        d = damping[b.mode0 + k]
-        f_eta[b.mode0 + k] = (w * w - omega2[b.mode0 + k]) * eta - d * rate
+    first, mode0 = index(b.first_q), index(b.mode0)
+    for k in range(index(b.nf)):
+        eta, rate = q[first + k], v[first + k]
+        d = damping[mode0 + k]
+        f_eta[mode0 + k] = (w * w - omega2[mode0 + k]) * eta - d * rate
         square += eta * eta
         spin += eta * rate
         loss += d * rate * rate

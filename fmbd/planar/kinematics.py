@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import part, part_sums
+from fmbd.planar.compile import index, part, part_sums
 
 
 @part
@@ -33,15 +33,26 @@ def kinematics(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> None:
 @part_sums
 def _elastic_rows(b: Any, R: np.ndarray, q: np.ndarray, v: np.ndarray, rows: Any) -> None:
     """Rows times modal coordinates, R eta and R eta', of body b."""
+    first = index(b.first_q)
     for r in range(b.nrow):
-        start = b.matrix0 + r * b.nf
+        start = index(b.matrix0 + r * b.nf)
         value = 0.0
         rate = 0.0
-        for k in range(b.nf):
-            value += R[start + k] * q[b.first_q + k]
-            rate += R[start + k] * v[b.first_q + k]
+        for k in range(index(b.nf)):
+            value += R[start + k] * q[first + k]
+            rate += R[start + k] * v[first + k]
         rows[b.row0 + r].value = value
         rows[b.row0 + r].rate = rate
+
+
+@part_sums
+def modal_square(b: Any, q: np.ndarray) -> float:
+    """eta.eta of a flexible body."""
+    first = index(b.first_q)
+    total = 0.0
+    for k in range(index(b.nf)):
+        total += q[first + k] * q[first + k]
+    return total
 
 
 @part

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import part, part_sums
+from fmbd.planar.compile import index, part, part_sums
 
 
 @part
@@ -85,11 +85,8 @@ def own_inertia(
     if b.nf > 0:
         my += rows[b.row0].value
         flow, growth = rows[b.row0].rate, rows[b.row0].y
-        for k in range(b.nf):
-            eta, rate = q[b.first_q + k], v[b.first_q + k]
-            tan.eta[0, b.mode0 + k], tan.eta[1, b.mode0 + k] = eta, rate
-            inertia += eta * eta
-            spin += eta * rate
+        square, spin = _keep_eta(b, tan, q, v)
+        inertia += square
     sx, sy = c * b.mx - s * my, s * b.mx + c * my
     dx, dy = -w * sy - flow * s, w * sx + flow * c
     ddx = -alpha * sy - w * w * sx - 2.0 * w * flow * c - growth * s
@@ -120,32 +117,49 @@ def own_inertia(
 
 
 @part_sums
+def _keep_eta(b: Any, tan: Any, q: np.ndarray, v: np.ndarray) -> tuple[float, float]:
+    """Copy eta and eta' of a body; returns eta.eta and eta.eta'."""
+    first, mode0 = index(b.first_q), index(b.mode0)
+    square, spin = 0.0, 0.0
+    for k in range(index(b.nf)):
+        eta, rate = q[first + k], v[first + k]
+        tan.eta[0, mode0 + k], tan.eta[1, mode0 + k] = eta, rate
+        square += eta * eta
+        spin += eta * rate
+    return square, spin
+
+
+@part_sums
 def condense(
     b: Any, f: Any, sys: Any, place: Any, tan: Any, q: np.ndarray, v: np.ndarray, bq: Any, bv: Any, ba: Any
 ) -> None:
     """N of a flexible body."""
     R, n, w2 = sys.rows, place.nr, f.w * f.w
-    for k in range(b.nf):
-        D = ba + bv * sys.modal_damping[b.mode0 + k] + bq * (sys.omega2[b.mode0 + k] - w2)
-        tan.per_D[b.mode0 + k] = 1.0 / D
+    nf, mode0 = index(b.nf), index(b.mode0)
+    for k in range(nf):
+        D = ba + bv * sys.modal_damping[mode0 + k] + bq * (sys.omega2[mode0 + k] - w2)
+        tan.per_D[mode0 + k] = 1.0 / D
     for i in range(b.nrow):
+        at = index(b.matrix0 + i * b.nf)
         for j in range(i + 1):
+            other = index(b.matrix0 + j * b.nf)
             total = tan.per_D[b.mode0] * 0.0
-            for k in range(b.nf):
-                total += R[b.matrix0 + i * b.nf + k] * R[b.matrix0 + j * b.nf + k] * tan.per_D[b.mode0 + k]
+            for k in range(nf):
+                total += R[at + k] * R[other + k] * tan.per_D[mode0 + k]
             tan.N[place.matrix0 + i * n + j] = total
             tan.N[place.matrix0 + j * n + i] = total
     for i in range(2):
         for j in range(b.nrow):
+            other = index(b.matrix0 + j * b.nf)
             total = tan.per_D[b.mode0] * 0.0
-            for k in range(b.nf):
-                total += R[b.matrix0 + j * b.nf + k] * tan.eta[i, b.mode0 + k] * tan.per_D[b.mode0 + k]
+            for k in range(nf):
+                total += R[other + k] * tan.eta[i, mode0 + k] * tan.per_D[mode0 + k]
             tan.N[place.matrix0 + (b.nrow + i) * n + j] = total
             tan.N[place.matrix0 + j * n + b.nrow + i] = total
         for j in range(i + 1):
             total = tan.per_D[b.mode0] * 0.0
-            for k in range(b.nf):
-                total += tan.eta[i, b.mode0 + k] * tan.eta[j, b.mode0 + k] * tan.per_D[b.mode0 + k]
+            for k in range(nf):
+                total += tan.eta[i, mode0 + k] * tan.eta[j, mode0 + k] * tan.per_D[mode0 + k]
             tan.N[place.matrix0 + (b.nrow + i) * n + b.nrow + j] = total
             tan.N[place.matrix0 + (b.nrow + j) * n + b.nrow + i] = total
 

@@ -22,6 +22,7 @@ from fmbd.planar.compile import part
 from fmbd.planar.condensation import eliminate_modes, free_rows, put_back_modes, put_back_rows
 from fmbd.planar.hanging import hang_on_rows, put_back_hung
 from fmbd.planar.holding import hold_by_rows, let_go_of_rows
+from fmbd.planar.kinematics import modal_square
 from fmbd.planar.loops import add_rank_one, close_loops, constraint_columns, hand_down, open_loops
 
 
@@ -141,11 +142,11 @@ def _start(bodies: Any, frames: Any, rows: Any, q: np.ndarray) -> None:
     """Each body's own inertia about its frame's origin."""
     for i in range(bodies.size):
         b, f = bodies[i], frames[i]
-        inertia = b.J
-        for k in range(b.nf):
-            inertia += q[b.first_q + k] ** 2
+        inertia, my = b.J, b.my
+        if b.nf > 0:
+            inertia += modal_square(b, q)
+            my += rows[b.row0].value
         f.Hxx, f.Hxy, f.Hyy, f.Hzz = b.mass, 0.0, b.mass, inertia
-        my = b.my + (rows[b.row0].value if b.nf > 0 else 0.0)
         f.Hxz = -(f.s * b.mx + f.c * my)
         f.Hyz = f.c * b.mx - f.s * my
 

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import compiled, inner, part, part_sums
+from fmbd.planar.compile import compiled, index, inner, part, part_sums
 from fmbd.planar.equations import driving_power, forces_of_state
+from fmbd.planar.kinematics import modal_square
 from fmbd.planar.pathways import put_force
 from fmbd.planar.recursion import joint_direction, outer_acceleration
 
@@ -94,11 +95,12 @@ def _accelerate(b: Any, i: int, sys: Any, work: Any, qdd: np.ndarray) -> None:
 
 @part_sums
 def _row_accelerations(b: Any, R: np.ndarray, rows: Any, qdd: np.ndarray) -> None:
+    first = index(b.first_q)
     for i in range(b.nrow):
-        start = b.matrix0 + i * b.nf
+        start = index(b.matrix0 + i * b.nf)
         total = 0.0
-        for k in range(b.nf):
-            total += R[start + k] * qdd[b.first_q + k]
+        for k in range(index(b.nf)):
+            total += R[start + k] * qdd[first + k]
         rows[b.row0 + i].y = total
 
 
@@ -106,9 +108,8 @@ def _row_accelerations(b: Any, R: np.ndarray, rows: Any, qdd: np.ndarray) -> Non
 def _ask_of_joint(b: Any, f: Any, inner: Any, rows: Any, q: np.ndarray) -> None:
     """g becomes minus the wrench that the body's motion asks of its joint, at the inner station."""
     inertia, my = b.J, b.my
-    for k in range(b.nf):
-        inertia += q[b.first_q + k] ** 2
     if b.nf > 0:
+        inertia += modal_square(b, q)
         lateral, turning = rows[b.row0], rows[b.row0 + 1]
         my += lateral.value
         f.gx += f.s * lateral.y
@@ -133,12 +134,13 @@ def _modal_residual(
     b: Any, R: np.ndarray, f_eta: np.ndarray, rows: Any, qdd: np.ndarray, r: np.ndarray
 ) -> None:
     """f_eta + R^T g - eta''."""
-    for k in range(b.nf):
-        r[b.first_q + k] = f_eta[b.mode0 + k] - qdd[b.first_q + k]
+    first, mode0 = index(b.first_q), index(b.mode0)
+    for k in range(index(b.nf)):
+        r[first + k] = f_eta[mode0 + k] - qdd[first + k]
     for i in range(b.nrow):
-        force, start = rows[b.row0 + i].g, b.matrix0 + i * b.nf
-        for k in range(b.nf):
-            r[b.first_q + k] += R[start + k] * force
+        force, start = rows[b.row0 + i].g, index(b.matrix0 + i * b.nf)
+        for k in range(index(b.nf)):
+            r[first + k] += R[start + k] * force
 
 
 @part

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import part, part_sums
+from fmbd.planar.compile import index, part, part_sums
 
 
 @part_sums
@@ -26,20 +26,21 @@ def given_rows(
     """Rows of v0 and a0, and y0 = R diag(1/D) (r - a0 - d v0)."""
     spin = tan.free[b.mode0] * 0.0
     drift0, drift1 = spin, spin
-    for k in range(b.nf):
-        m = b.mode0 + k
-        free = r[b.first_q + k] - a0[b.first_q + k] - damping[m] * v0[b.first_q + k]
+    first, mode0 = index(b.first_q), index(b.mode0)
+    for k in range(index(b.nf)):
+        m = mode0 + k
+        free = r[first + k] - a0[first + k] - damping[m] * v0[first + k]
         tan.free[m] = free
-        spin += tan.eta[0, m] * v0[b.first_q + k]
+        spin += tan.eta[0, m] * v0[first + k]
         drift0 += tan.eta[0, m] * free * tan.per_D[m]
         drift1 += tan.eta[1, m] * free * tan.per_D[m]
     for i in range(b.nrow):
         rate, acc, total = spin * 0.0, spin * 0.0, spin * 0.0
-        start = b.matrix0 + i * b.nf
-        for k in range(b.nf):
-            rate += R[start + k] * v0[b.first_q + k]
-            acc += R[start + k] * a0[b.first_q + k]
-            total += R[start + k] * tan.free[b.mode0 + k] * tan.per_D[b.mode0 + k]
+        start = index(b.matrix0 + i * b.nf)
+        for k in range(index(b.nf)):
+            rate += R[start + k] * v0[first + k]
+            acc += R[start + k] * a0[first + k]
+            total += R[start + k] * tan.free[mode0 + k] * tan.per_D[mode0 + k]
         tan.rate0[place.row0 + i], tan.acc0[place.row0 + i], tan.y0[place.row0 + i] = rate, acc, total
         tan.phi[place.row0 + i] = 0.0
     last = place.row0 + b.nrow

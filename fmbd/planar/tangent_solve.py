@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import inner, part, part_sums
+from fmbd.planar.compile import index, inner, part, part_sums
 from fmbd.planar.tangent_given import given_end, given_inertia, given_motion, given_rows, given_wrench
 
 
@@ -250,14 +250,15 @@ def _put_back_rows(b: Any, R: np.ndarray, place: Any, cp: Any, tan: Any, X: Any,
             value += tan.P[at + i * n + k] * tan.y[place.row0 + k]
         tan.phi[place.row0 + i] = value
     swirl = tan.phi[place.row0 + b.nrow]
-    for k in range(b.nf):
-        x[b.first_q + k] = tan.free[b.mode0 + k] - swirl * tan.eta[0, b.mode0 + k]
+    first, mode0 = index(b.first_q), index(b.mode0)
+    for k in range(index(b.nf)):
+        x[first + k] = tan.free[mode0 + k] - swirl * tan.eta[0, mode0 + k]
     for i in range(b.nrow):
-        force, start = tan.phi[place.row0 + i], b.matrix0 + i * b.nf
-        for k in range(b.nf):
-            x[b.first_q + k] -= R[start + k] * force
-    for k in range(b.nf):
-        x[b.first_q + k] *= tan.per_D[b.mode0 + k]
+        force, start = tan.phi[place.row0 + i], index(b.matrix0 + i * b.nf)
+        for k in range(index(b.nf)):
+            x[first + k] -= R[start + k] * force
+    for k in range(index(b.nf)):
+        x[first + k] *= tan.per_D[mode0 + k]
 
 
 @part
