@@ -39,13 +39,15 @@ def eliminate_modes(
     block: np.ndarray,
 ) -> None:
     """Condense a flexible body on its own into its H, g and slots; rows[] hold free and V."""
-    n = b.nrow
+    n, row0, gram0 = index(b.nrow), index(b.row0), index(b.gram0)
     lateral, turning = rows[b.row0], rows[b.row0 + 1]
     for r in range(n):
-        row = rows[b.row0 + r]
-        start = b.gram0 + r * n
+        row = rows[row0 + r]
+        start = gram0 + r * n
+        total = row.free
         for j in range(n):
-            row.free += gram[start + j] * rows[b.row0 + j].g
+            total += gram[start + j] * rows[row0 + j].g
+        row.free = total
         row.push = 0.0
         row.Vx, row.Vy, row.Vz = gram[start] * f.s, -gram[start] * f.c, -gram[start + 1]
         if b.first_hung >= 0:

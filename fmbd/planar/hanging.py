@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.compile import part
+from fmbd.planar.compile import index, part
 from fmbd.planar.loops import add_rank_one
 
 # A pivot of H this small against its diagonal before the joint was eliminated is round-off of zero.
@@ -100,28 +100,29 @@ def _take_in(
     hang_slot: np.ndarray,
 ) -> None:
     """One scalar d_k along l_k."""
-    n = parent.nrow
+    n = index(parent.nrow)
     d, gamma, bw, bs = hang.d[k], hang.g[k], hang.bw[k], hang.bs[k]
-    w0 = b.hang_w0 + k * n
+    w0, row0, gram0 = index(b.hang_w0 + k * parent.nrow), index(parent.row0), index(parent.gram0)
     x, y, z = hang.x[k, 0], hang.x[k, 1], hang.x[k, 2]
     c, give = 0.0, 0.0
     for r in range(n):
         hang_w[w0 + r] = 0.0
     for turn in range(2):
-        index = outer.row_w if turn == 0 else outer.row_s
-        if index >= 0:
+        at = outer.row_w if turn == 0 else outer.row_s
+        if at >= 0:
             weight = bw if turn == 0 else bs
-            row = rows[index]
+            row = rows[at]
             x += weight * row.Vx
             y += weight * row.Vy
             z += weight * row.Vz
             c += weight * row.free
+            column = index(parent.gram0 + (at - parent.row0) * parent.nrow)
             for r in range(n):
-                hang_w[w0 + r] += weight * N[parent.gram0 + r * n + index - parent.row0]
+                hang_w[w0 + r] += weight * N[column + r]
     if outer.row_w >= 0:
-        give += bw * hang_w[w0 + outer.row_w - parent.row0]
+        give += bw * hang_w[w0 + index(outer.row_w) - row0]
     if outer.row_s >= 0:
-        give += bs * hang_w[w0 + outer.row_s - parent.row0]
+        give += bs * hang_w[w0 + index(outer.row_s) - row0]
     share = 1.0 / (1.0 + d * give)
     phi = (gamma - d * c) * share
     hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = x, y, z
@@ -135,15 +136,16 @@ def _take_in(
         b, parent, hang, k, outer, slots, slot_v, block, hang_w, hang_slot, phi, accelerated, give, share
     )
     for r in range(n):
-        row = rows[parent.row0 + r]
+        row = rows[row0 + r]
         w = hang_w[w0 + r]
         row.free += w * phi
         w *= d * share
         row.Vx -= w * x
         row.Vy -= w * y
         row.Vz -= w * z
+        start = gram0 + r * n
         for j in range(n):
-            N[parent.gram0 + r * n + j] -= w * hang_w[w0 + j]
+            N[start + j] -= w * hang_w[w0 + j]
 
 
 @part
