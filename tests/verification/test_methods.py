@@ -98,6 +98,29 @@ def test_a_stiff_run_balances_its_energy_and_keeps_its_loop_closed():
     assert run["constraint_error"].max() < 1e-9
 
 
+def test_the_free_fall_of_the_undamped_five_bar_keeps_its_energy():
+    """Motors off, transmissions undamped, ten seconds through near-singular positions; against the kinetic energy."""
+    motor = {
+        "type": "torque",
+        "torque": 0,
+        "gear_ratio": 10,
+        "rotor_inertia": 0.1,
+        "transmission": {"stiffness": 5000},
+    }
+    run = simulate(
+        "five_bar.yaml",
+        {
+            "motors": {f"motor_{side}": motor | {"joint": f"shoulder_{side}"} for side in ("right", "left")},
+            "controllers": {},
+            "simulation.duration": 10,
+            "simulation.output_interval": 0.01,
+            "simulation.rtol": 1e-9,
+        },
+    )
+    energy = run["energy.kinetic"] + run["energy.potential"] + run["energy.elastic"]
+    assert np.abs(energy - energy[0]).max() < 1e-8 * run["energy.kinetic"].max()
+
+
 def test_auto_takes_the_implicit_method_for_fine_damped_beams_and_only_there():
     changes = {"simulation.method": "auto", "simulation.duration": 0.5}
     assert "rodas5p for" in simulate("five_bar.yaml", changes | STIFF | rods(16)).statistics["choice"]
