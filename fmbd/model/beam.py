@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo
 
-from fmbd.model.base import NotNegative, Number, Part, Positive, Text, Whole, short_form
+from fmbd.model.base import Flag, NotNegative, Number, Part, Positive, Text, Whole, short_form
 from fmbd.model.context import Context, context_of, reference, reject
 from fmbd.model.materials import Material
 from fmbd.model.names import unknown
@@ -61,6 +61,7 @@ class Beam:
     damping: Damping
     pieces: tuple[BeamPiece, ...]
     youngs_modulus: float | None
+    foreshortening: bool = False
 
 
 class BeamEntry(Part):
@@ -83,6 +84,8 @@ class BeamEntry(Part):
     """Bending stiffness E I [N m^2]."""
     frame: Literal["clamped", "chord"] = "clamped"
     """Floating frame: tangent to the beam at its start, or through both ends."""
+    foreshortening: Flag = False
+    """Whether bending draws the beam's points towards its start, to second order: geometric stiffening."""
     points: dict[Name, NotNegative] = Field(default_factory=dict)
     """Points by name: distance from the start [m]. start, end and node0, node1, ... always exist."""
     point_masses: dict[Text, Annotated[PointMass, short_form("mass", NotNegative | PointMass)]] = Field(
@@ -109,6 +112,7 @@ class BeamEntry(Part):
             self.damping,
             self._properties(),
             self.material.youngs_modulus if self.material else None,
+            self.foreshortening,
         )
 
     def _count_elements(self, context: Context) -> None:

@@ -45,6 +45,13 @@ class Track:
         return Track(self.place + product(turn(self.angle), local.place), self.angle + local.angle)
 
 
+def _drawn(e: Jet, H: Array) -> Jet:
+    """The jet of u = -1/2 e^T H e; e (3, nt, nf)."""
+    pull = -e @ H
+    u, du = 0.5 * (pull[0] * e[0]).sum(axis=-1), (pull[0] * e[1]).sum(axis=-1)
+    return np.stack([u, du, (pull[0] * e[2] + pull[1] * e[1]).sum(axis=-1)])
+
+
 class Motion:
     """Tracks of all bodies and points of a system at times [s] (nt,), with nodal q, q', q'' (nt, nq)."""
 
@@ -81,7 +88,12 @@ class Motion:
     def beam_points(self, body: str, x: Array) -> NDArray[np.complex128]:
         """Points of the deflected axis of a beam at positions x [m] (n,), shape (nt, n)."""
         index = self.system.lowered.body_index[body]
-        local = x + 1j * (self._elastic(index)[0] @ self.system.beams[index].shape(x).T)
+        elastic = self._elastic(index)[0]
+        local = x + 1j * (elastic @ self.system.beams[index].shape(x).T)
+        if shortening := self.system.lowered.shortenings.get(index):
+            for k, position in enumerate(x):
+                H = shortening.nodal(shortening.at(position))
+                local[:, k] -= 0.5 * ((elastic @ H) * elastic).sum(axis=-1)
         return self.fixed_points(body, local)
 
     def fixed_points(self, body: str, local: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -134,6 +146,8 @@ class Motion:
         index = self.system.lowered.body_index[body]
         beam, elastic, x = self.system.beams[index], self._elastic(index), part.points[point]
         along = self._still(x, 0.0).place
+        if shortening := self.system.lowered.shortenings.get(index):
+            along += _drawn(elastic, shortening.nodal(shortening.at(x)))
         return Track(along + 1j * (elastic @ beam.shape(x)), elastic @ beam.slope(x))
 
     def _elastic(self, body: int) -> Array:

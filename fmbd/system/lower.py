@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.beams import floating_beam
+from fmbd.beams import Foreshortening, floating_beam
 from fmbd.model import Beam, Model, Placement
 from fmbd.planar import arrays
 from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
@@ -85,6 +85,8 @@ def _name_bodies(out: Lowered) -> None:
             beam = floating_beam(body.pieces, np.asarray(body.nodes, float), body.frame, masses)
             out.beams[i] = beam
             out.psi[i], out.omega2[i] = beam.modal_basis()
+            if body.foreshortening:
+                out.shortenings[i] = Foreshortening.of(beam, out.psi[i])
             out.modal_damping[i] = _modal_damping(body.damping, out.omega2[i])
             units = {"w": "m", "slope": "rad"}
             out.coordinates += [

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam
+from fmbd.beams import FloatingBeam, Foreshortening
 from fmbd.model import Model
 from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, Planar
 from fmbd.system.signals import SignalTable
@@ -26,6 +26,7 @@ class Lowered:
     beams: dict[int, FloatingBeam] = field(default_factory=dict)
     psi: dict[int, np.ndarray] = field(default_factory=dict)
     omega2: dict[int, np.ndarray] = field(default_factory=dict)
+    shortenings: dict[int, Foreshortening] = field(default_factory=dict)  # of the beams that shorten
     modal_damping: dict[int, np.ndarray] = field(default_factory=dict)
     coordinates: list[tuple[str, str]] = field(default_factory=list)
     constraints: list[tuple[str, str]] = field(default_factory=list)
