@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.beams import Foreshortening, floating_beam
+from fmbd.beams import FloatingBeam, Foreshortening, floating_beam
 from fmbd.model import Beam, Model, Placement
 from fmbd.planar import arrays
 from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
@@ -17,7 +17,7 @@ from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
 from fmbd.system.columns import place_columns
 from fmbd.system.lowered import Lowered, Term, place_point
 from fmbd.system.motors import has_rotor, lower_motors, motor_coordinate, rotor_term
-from fmbd.system.tree import Tree, spanning_tree
+from fmbd.system.tree import Link, Tree, spanning_tree
 
 #: Elements of one beam, and output times of one run.
 MAX_ELEMENTS = 1000
@@ -86,6 +86,7 @@ def _name_bodies(out: Lowered) -> None:
             out.beams[i] = beam
             out.psi[i], out.omega2[i] = beam.modal_basis()
             if body.foreshortening:
+                _check_start(out, link, beam)
                 out.shortenings[i] = Foreshortening.of(beam, out.psi[i])
             out.modal_damping[i] = _modal_damping(body.damping, out.omega2[i])
             units = {"w": "m", "slope": "rad"}
@@ -93,6 +94,22 @@ def _name_bodies(out: Lowered) -> None:
                 (f"{link.name}.{name}", units[kind])
                 for name, kind in zip(beam.dof_names, beam.dof_kinds, strict=True)
             ]
+
+
+def _check_start(out: Lowered, link: Link, beam: FloatingBeam) -> None:
+    """Refuse a frame that a cross-section without inertia turns freely: inertia to second order loses it."""
+    held = out.model.joints[str(link.joint)]
+    body, point = out.inner_point(link)
+    fixed = out.model.bodies[body].points[point] == 0.0 and (
+        "angle" not in held.coordinates or "angle" in held.driven
+    )
+    turning = beam.inertia - beam.p @ np.linalg.solve(beam.M, beam.p)
+    if not fixed and turning < 0.01 * beam.inertia:
+        raise out.model.error(
+            ("bodies", link.name, "foreshortening"),
+            "a beam whose start may turn by itself needs `frame: chord` for it: "
+            "a clamped frame follows the cross-section at the start, which has no inertia",
+        )
 
 
 def _modal_damping(damping: Any, omega2: np.ndarray) -> np.ndarray:

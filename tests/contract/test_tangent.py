@@ -20,7 +20,8 @@ VARIANTS = {
     "joints reversed": mechanisms.joints_reversed,
     "chord frames": mechanisms.chord_frames,
 }
-LONE = [name for name in SAMPLES if "table" not in name]  # the file of a table is not there
+# the file of a table is not there; the derivative of rows that bend is left out
+LONE = [name for name in SAMPLES if "table" not in name and "foreshortened" not in name]
 
 
 def mismatch(system, step, seed):
