@@ -206,7 +206,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
         count = float(f"{simulation.duration / step:.2g}")
         automatic = simulation.method == "auto"
         explicit = "dop853" if automatic else simulation.method
-        instead = "; auto tries rodas5p" if automatic else ""
+        instead = "; auto tries radau" if automatic else ""
         yield (
             "steps",
             f"the fastest mode keeps {explicit} below {step:.1e} s: {count:,.0f} steps or more{instead}",

@@ -79,6 +79,9 @@ def _rows(b: Any, f: Any, station: Any, W: Any, place: Any, tan: Any) -> None:
     for i in range(n):
         for k in range(n):
             y[place.row0 + i] -= tan.N[at + i * n + k] * tan.phi[place.row0 + k]
+    for i in range(place.row0, place.row0 + n):
+        j = tan.swapped[i]
+        y[i], y[j] = y[j], y[i]
     for i in range(1, n):
         for k in range(i):
             y[place.row0 + i] -= tan.A[at + i * n + k] * y[place.row0 + k]
