@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fmbd.results.archive import ArchiveError
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
+    from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
 
 __version__ = "0.1.0"
@@ -34,6 +35,7 @@ __all__ = [
     "load_model",
     "open_run",
     "simulate",
+    "verify",
 ]
 
 _HOMES = {
@@ -48,6 +50,7 @@ _HOMES = {
     "load_model": "fmbd.model",
     "open_run": "fmbd.results.run",
     "simulate": "fmbd.results.simulate",
+    "verify": "fmbd.studies.verify",
 }
 
 
