@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fmbd.results.archive import ArchiveError
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
+    from fmbd.studies.refine import Study, refine
     from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
 
@@ -27,6 +28,7 @@ __all__ = [
     "Model",
     "ModelError",
     "Run",
+    "Study",
     "System",
     "UnknownQuantity",
     "__version__",
@@ -34,6 +36,7 @@ __all__ = [
     "json_schema",
     "load_model",
     "open_run",
+    "refine",
     "simulate",
     "verify",
 ]
@@ -43,12 +46,14 @@ _HOMES = {
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
     "Run": "fmbd.results.run",
+    "Study": "fmbd.studies.refine",
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
     "assemble": "fmbd.system",
     "json_schema": "fmbd.model.schema",
     "load_model": "fmbd.model",
     "open_run": "fmbd.results.run",
+    "refine": "fmbd.studies.refine",
     "simulate": "fmbd.results.simulate",
     "verify": "fmbd.studies.verify",
 }

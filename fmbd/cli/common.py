@@ -176,13 +176,13 @@ def share_bar(what: str, quiet: bool = False) -> Iterator[Callable[[float], None
         yield lambda share: bar.update(task, completed=share)
 
 
-def suffixed(suffix: str) -> Callable[[str], Path]:
+def suffixed(*suffixes: str) -> Callable[[str], Path]:
     """The type of an argument that names a file to write."""
 
     def path(text: str) -> Path:
-        if Path(text).suffix.lower() != suffix:
+        if Path(text).suffix.lower() not in suffixes:
             raise argparse.ArgumentTypeError(
-                f"'{text}' does not end in {suffix}, which is what can be written"
+                f"'{text}' does not end in {' or '.join(suffixes)}, which is what can be written"
             )
         return Path(text)
 

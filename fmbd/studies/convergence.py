@@ -21,12 +21,13 @@ Array = np.ndarray
 
 #: In the asymptotic range two orders in a row differ by no more than this share, and differences agree by this much.
 SAME_ORDER = 0.2
-AGREEING = 0.9
+AGREEING = 0.8
 SMALLEST_ORDER = 0.5
 #: Factors of safety on the error that an order gives, and on a difference where there is no order.
 SETTLED, UNSETTLED = 1.25, 3.0
 
 _LARGEST_ORDER = 20.0
+_ROUND_OFF = 1e-11
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,11 @@ class Convergence:
     def order(self) -> float:
         """The order observed in the three finest; nan where there is none."""
         return self.orders[-1].order if self.orders else np.nan
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the two finest are the same, but for round-off."""
+        return self.steps[-1].mean <= _ROUND_OFF * self.size.mean
 
     @property
     def errors(self) -> tuple[Size, ...]:

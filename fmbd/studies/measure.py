@@ -46,6 +46,14 @@ def measure(
     return ANALYSES[analysis](assemble(model), names, on_progress)
 
 
+def columns_of(model: Model, names: Sequence[str], analysis: str = "run") -> dict[str, tuple[str, ...]]:
+    """What the columns of quantities are, () of those that have none; raises UnknownQuantity."""
+    if analysis == "run":
+        run = not_run(assemble(model))
+        return {name: run.columns(name) for name in names}
+    return {name: () for name in names if _number(name)}
+
+
 def _run(system: System, names: Sequence[str], on_progress: Progress | None) -> Measured:
     before = not_run(system)
     units = {name: before.units(name) for name in names}

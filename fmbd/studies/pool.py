@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -26,9 +27,10 @@ def side_by_side(
 ) -> Iterator[tuple[int, Any]]:
     """Yield the index of each job with its result, or with the exception that it ended by, as they end.
 
-    The first job is done by itself, so that what it compiles is there for the others. One worker is this process;
-    more are started anew, so that a script that uses them needs `if __name__ == "__main__"`. `on_progress` is called
-    with the share of all that is done. Ctrl-C ends the jobs and raises KeyboardInterrupt.
+    The first job is done here, by itself, so that what it compiles is there for the others; these, too, if there is
+    one worker. More workers are processes started anew, so that a script that wants them needs
+    `if __name__ == "__main__"`. `on_progress` is called with the share of all that is done. Ctrl-C ends the jobs and
+    raises KeyboardInterrupt.
     """
     shares = [0.0] * len(jobs)
 
@@ -37,15 +39,14 @@ def side_by_side(
         if on_progress is not None:
             on_progress(sum(shares) / len(jobs))
 
+    for k, job in enumerate(jobs if workers == 1 else jobs[:1]):
+        yield k, _attempted(job, partial(progress, k))
     if workers == 1:
-        for k, job in enumerate(jobs):
-            yield k, _attempted(job, partial(progress, k))
         return
-    left = dict(enumerate(jobs))
-    for batch in ([0], range(1, len(jobs))):
-        for k, result in _in_processes({k: left[k] for k in batch}, workers, progress):
-            del left[k]
-            yield k, result
+    left = dict(enumerate(jobs[1:], start=1))
+    for k, result in _in_processes(dict(left), workers, progress):
+        del left[k]
+        yield k, result
     for k, job in left.items():  # a process died, and those beside it fell with it: each gets one of its own
         result = dict(_in_processes({k: job}, 1, progress)).get(k)
         yield k, result or MemoryError("its process was killed: was there too little memory?")
@@ -65,22 +66,23 @@ def _in_processes(
     if not jobs:
         return
     context = multiprocessing.get_context("spawn")
-    shares, stop = context.Array("d", max(jobs) + 1), context.Event()
+    # without a lock, which a process that dies would keep: the share of each job, and at last whether to stop
+    board = context.RawArray("d", max(jobs) + 2)
     with (
         _environment(_ONE_THREAD),
-        ProcessPoolExecutor(min(workers, len(jobs)), context, _begin, (shares, stop)) as pool,
+        ProcessPoolExecutor(min(workers, len(jobs)), context, _begin, (board,)) as pool,
     ):
         try:
             waiting = {pool.submit(_work, k, job): k for k, job in jobs.items()}
             while waiting:
                 done, _ = wait(waiting, _TICK, FIRST_COMPLETED)
                 for k in waiting.values():
-                    progress(k, shares[k])
+                    progress(k, board[k])
                 yield from _ended({future: waiting.pop(future) for future in done})
         except BrokenProcessPool:
             return
         except BaseException:
-            stop.set()
+            board[-1] = 1.0
             pool.shutdown(wait=False, cancel_futures=True)
             raise
 
@@ -105,23 +107,30 @@ def _environment(variables: dict[str, str]) -> Iterator[None]:
             del os.environ[name]
 
 
-_shares: Any = None
-_stop: Any = None
+_board: Any = None
 
 
-def _begin(shares: Any, stop: Any) -> None:
-    """In a new process: Ctrl-C is for the one that started it."""
-    global _shares, _stop
-    _shares, _stop = shares, stop
+def _begin(board: Any) -> None:
+    """In a new process: Ctrl-C is for the one that started it, and it does not outlive that one."""
+    global _board
+    _board = board
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _work(k: int, job: Job) -> Any:
     def report(share: float) -> None:
-        _shares[k] = share
-        if _stop.is_set():
+        _board[k] = share
+        if _board[-1]:
             raise SystemExit
 
     result = _attempted(job, report)
-    _shares[k] = 1.0
+    _board[k] = 1.0
     return result
