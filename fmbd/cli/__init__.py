@@ -19,6 +19,7 @@ exit codes: 0 done, 1 a run stopped before its end (its archive is kept) or a ca
 
   fmbd check models/five_bar.yaml                        what the model is, and whether it is what was meant
   fmbd run models/five_bar.yaml                          simulate it; the results are in five-bar.vtkhdf
+  fmbd refine models/five_bar.yaml --over bodies.*.elements=1,2,4,8 --quantity rod_right.end.deflection
   fmbd export five-bar.vtkhdf tip.csv --quantities rod_right.end.position
 """
 

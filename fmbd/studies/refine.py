@@ -314,4 +314,4 @@ def _comparable(models: Sequence[Model], names: Sequence[str], analysis: str) ->
 
 def percent(share: float) -> str:
     """A share with two digits: 0.13 %."""
-    return f"{100 * share:.2g} %" if abs(share) >= 1e-4 or share == 0 else f"{100 * share:.1e} %"
+    return f"{100 * share:.2g} %"
