@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from fmbd.results.archive import ArchiveError
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
-    from fmbd.studies.refine import Study, refine
+    from fmbd.studies.refine import refine
+    from fmbd.studies.study import Study
     from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
 
@@ -46,7 +47,7 @@ _HOMES = {
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
     "Run": "fmbd.results.run",
-    "Study": "fmbd.studies.refine",
+    "Study": "fmbd.studies.study",
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
     "assemble": "fmbd.system",

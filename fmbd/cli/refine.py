@@ -22,7 +22,7 @@ from fmbd.cli.common import (
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fmbd.studies.refine import Result, Study
+    from fmbd.studies.study import Result, Study
 
 EPILOG = """\
   fmbd refine models/five_bar.yaml --over bodies.*.elements=1,2,4,8 --quantity rod_right.end.deflection
@@ -172,7 +172,7 @@ def _once(study: "Study", result: "Result") -> Iterator["str | Table"]:
 
 def _bound(result: "Result", share: float) -> str:
     """The bound of an error; about so where it is a guess."""
-    from fmbd.studies.refine import percent
+    from fmbd.studies.study import percent
 
     return f"{'' if result.found.is_settled else '~'}{percent(share)}"
 
@@ -191,7 +191,7 @@ def _failures(study: "Study") -> Iterator[tuple[str, str]]:
 
 def _time(study: "Study") -> Iterator[tuple[str, str]]:
     """What share of the last differences is the error of the time integration."""
-    from fmbd.studies.refine import percent
+    from fmbd.studies.study import percent
 
     shares = {result.quantity: result.time_share for result in study.results if result.time_share is not None}
     if shares:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fmbd.studies.refine import Result, Study
+from fmbd.studies.study import Result, Study
 
 Array = np.ndarray
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from fmbd.results.layout import provenance
 from fmbd.studies.convergence import Size
-from fmbd.studies.refine import Member, Result, Study
+from fmbd.studies.study import Member, Result, Study
 
 
 def write_study(study: Study, path: Path) -> None:
