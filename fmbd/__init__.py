@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from fmbd.results.archive import ArchiveError
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
+    from fmbd.studies.refine import refine
+    from fmbd.studies.study import Study
+    from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
 
 __version__ = "0.1.0"
@@ -26,6 +29,7 @@ __all__ = [
     "Model",
     "ModelError",
     "Run",
+    "Study",
     "System",
     "UnknownQuantity",
     "__version__",
@@ -33,7 +37,9 @@ __all__ = [
     "json_schema",
     "load_model",
     "open_run",
+    "refine",
     "simulate",
+    "verify",
 ]
 
 _HOMES = {
@@ -41,13 +47,16 @@ _HOMES = {
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
     "Run": "fmbd.results.run",
+    "Study": "fmbd.studies.study",
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
     "assemble": "fmbd.system",
     "json_schema": "fmbd.model.schema",
     "load_model": "fmbd.model",
     "open_run": "fmbd.results.run",
+    "refine": "fmbd.studies.refine",
     "simulate": "fmbd.results.simulate",
+    "verify": "fmbd.studies.verify",
 }
 
 

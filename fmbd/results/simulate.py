@@ -62,6 +62,11 @@ def simulate(
     return Run(Archive(output), lambda: model, lambda: system)
 
 
+def not_run(system: System) -> Run:
+    """The run of a system before it is run: without output times, but it knows the names of all quantities."""
+    return Run(Recording(**_columns(system)), lambda: system.model, lambda: system)
+
+
 def _columns(system: System) -> dict[str, list[tuple[str, str]]]:
     """Names and units of what is recorded."""
     lengths = {"m" if unit == "N" else "rad" for _, unit in system.constraints}

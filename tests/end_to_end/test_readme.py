@@ -70,6 +70,17 @@ def test_figures_of_the_five_bar(folder: Path) -> None:
     assert all(picture.stat().st_size > 10_000 for picture in pictures)
 
 
+def test_study_of_the_elements_of_the_five_bar(folder: Path) -> None:
+    """Its script, for a short move; the table of the README has the rows and columns that it prints."""
+    script = ROOT / "postprocess" / "five_bar_refinement.py"
+    command = [sys.executable, script, "--folder", folder, "--duration", "0.02"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert (folder / "five_bar_refinement.svg").stat().st_size > 10_000
+    for line in done.stdout.splitlines():
+        if line.startswith("| "):
+            assert re.match(r"\|[^|]*\|[^|]*\|", line)[0] in README
+
+
 def test_citation_and_changelog_know_the_version() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert citation["version"] == fmbd.__version__
