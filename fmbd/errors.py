@@ -22,3 +22,7 @@ class UnknownQuantity(KeyError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+class AnalysisError(Exception):
+    """An analysis that has no answer; the message says why and where, in one line."""

@@ -131,17 +131,57 @@ def compiling_announced(quiet: bool = False) -> Iterator[None]:
         yield
 
 
-def suffixed(suffix: str) -> Callable[[str], Path]:
-    """The type of an argument that names a file to write."""
+def suffixed(*suffixes: str) -> Callable[[str], Path]:
+    """The type of an argument that names a file to write, of one of these kinds."""
 
     def path(text: str) -> Path:
-        if Path(text).suffix.lower() != suffix:
+        if Path(text).suffix.lower() not in suffixes:
             raise argparse.ArgumentTypeError(
-                f"'{text}' does not end in {suffix}, which is what can be written"
+                f"'{text}' does not end in {' or '.join(suffixes)}, which is what can be written"
             )
         return Path(text)
 
     return path
+
+
+def add_rest(parser: argparse.ArgumentParser) -> None:
+    """Arguments of a command that looks for an equilibrium."""
+    parser.add_argument(
+        "--lock",
+        metavar="MOTOR",
+        nargs="+",
+        help="hold the shafts of these motors, or of `all` or `none`, at their start angles (default: of those "
+        "without which the mechanism would be free to fall)",
+    )
+    parser.add_argument(
+        "--time", metavar="SECONDS", type=seconds, help="time of loads, motors and driven joints (default 0)"
+    )
+    parser.add_argument(
+        "--moving",
+        action="store_true",
+        help="driven joints keep the speed that they have then, as in a rotating frame, and do not stand still",
+    )
+
+
+def lock_choice(names: list[str] | None) -> str | list[str] | None:
+    """`all`, `none`, names, or None from the argument `--lock`."""
+    return names[0] if names in (["all"], ["none"]) else names
+
+
+def seconds(text: str) -> float:
+    """The type of an argument that is a time."""
+    try:
+        time = float(text)
+    except ValueError:
+        time = -1.0
+    if not 0.0 <= time < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a time from 0 on")
+    return time
+
+
+def number(value: float, digits: int = 6) -> str:
+    """A number in a table: round-off of zero is zero."""
+    return f"{value if abs(value) > 1e-12 else 0.0:.{digits}g}"
 
 
 @contextmanager
