@@ -11,7 +11,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fmbd.errors import ModelError, UnknownQuantity
+    from fmbd.analyses.state_space import StateSpace, linearize
+    from fmbd.analyses.statics import Equilibrium, equilibrium
+    from fmbd.analyses.vibrations import Modes, modes
+    from fmbd.errors import AnalysisError, ModelError, UnknownQuantity
     from fmbd.model import Model, load_model
     from fmbd.model.schema import json_schema
     from fmbd.results.archive import ArchiveError
@@ -22,30 +25,44 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "AnalysisError",
     "ArchiveError",
+    "Equilibrium",
     "Model",
     "ModelError",
+    "Modes",
     "Run",
+    "StateSpace",
     "System",
     "UnknownQuantity",
     "__version__",
     "assemble",
+    "equilibrium",
     "json_schema",
+    "linearize",
     "load_model",
+    "modes",
     "open_run",
     "simulate",
 ]
 
 _HOMES = {
+    "AnalysisError": "fmbd.errors",
     "ArchiveError": "fmbd.results.archive",
+    "Equilibrium": "fmbd.analyses.statics",
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
+    "Modes": "fmbd.analyses.vibrations",
     "Run": "fmbd.results.run",
+    "StateSpace": "fmbd.analyses.state_space",
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
     "assemble": "fmbd.system",
+    "equilibrium": "fmbd.analyses.statics",
     "json_schema": "fmbd.model.schema",
+    "linearize": "fmbd.analyses.state_space",
     "load_model": "fmbd.model",
+    "modes": "fmbd.analyses.vibrations",
     "open_run": "fmbd.results.run",
     "simulate": "fmbd.results.simulate",
 }

@@ -18,7 +18,7 @@ class ModelError(Exception):
 
 
 class UnknownQuantity(KeyError):
-    """A name that a run has no results for; the message is one line."""
+    """A name that nothing has: no quantity of a run, no motor, no input; the message is one line."""
 
     def __str__(self) -> str:
         return str(self.args[0])

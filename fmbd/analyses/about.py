@@ -8,7 +8,8 @@ import numpy as np
 
 from fmbd.analyses.arrangement import Arrangement, arrange, motor_names
 from fmbd.analyses.linearisation import Linearisation
-from fmbd.analyses.statics import Equilibrium, equilibrium, newton_step
+from fmbd.analyses.statics import Equilibrium, equilibrium
+from fmbd.analyses.stiffness import newton_step
 from fmbd.errors import AnalysisError
 from fmbd.model import Model, load_model
 from fmbd.results.run import Run, open_run
@@ -28,7 +29,9 @@ class Base:
     place: str
     locked: tuple[str, ...]  #: motors whose shafts are held
     chosen: bool  #: whether they were asked for
-    constant: tuple[str, ...]  #: motors that are free to turn at a constant input, in place of what held or controlled them
+    constant: tuple[
+        str, ...
+    ]  #: motors that are free to turn at a constant input, in place of what held or controlled them
     remarks: tuple[str, ...]
 
 
@@ -147,5 +150,6 @@ def _unrest(lin: Linearisation) -> Iterator[str]:
     if step.size and not abs(step[k]) < FAR:
         acceleration = lin.basis @ lin.acceleration
         j = int(np.abs(acceleration).argmax())
-        away = f"an equilibrium is about {abs(step[k]):.2g} away ({names[k]})" if abs(step[k]) < 10 else "nothing is near"
-        yield f"not at rest: {names[j]} is accelerated by {acceleration[j]:.3g}; {away}: --about equilibrium"
+        near = f"an equilibrium is about {abs(step[k]):.2g} away ({names[k]})"
+        away = near if abs(step[k]) < 10.0 else "no equilibrium is near"
+        yield f"not at rest: {names[j]} is accelerated by {acceleration[j]:.3g}; {away}"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fmbd.errors import AnalysisError
+from fmbd.errors import AnalysisError, UnknownQuantity
 from fmbd.model.names import unknown
 from fmbd.planar.arrays import SIGNAL, allocate, records
 from fmbd.planar.equations import evaluate_accelerations
@@ -71,7 +71,9 @@ class Arrangement:
                 f"joint {link.joint or link.motor} has no inertia to move: give body {link.name} a mass"
             )
         if not (np.all(np.isfinite(a)) and np.all(np.isfinite(dz))):
-            raise AnalysisError(f"the accelerations at t = {self.t:g} s are not numbers: a signal has no value there")
+            raise AnalysisError(
+                f"the accelerations at t = {self.t:g} s are not numbers: a signal has no value there"
+            )
         return a, dz
 
 
@@ -108,12 +110,12 @@ def arrange(
 
 
 def motor_names(system: System, wanted: str | Iterable[str]) -> list[str]:
-    """`all`, `none`, or names of motors; raises AnalysisError for a name that no motor has."""
+    """`all`, `none`, or names of motors; raises UnknownQuantity for a name that no motor has."""
     motors = list(system.model.motors)
     if isinstance(wanted, str):
         wanted = {"all": motors, "none": []}.get(wanted, [wanted])
     wanted = list(wanted)
     for name in wanted:
         if name not in motors:
-            raise AnalysisError(unknown("motor", name, motors))
+            raise UnknownQuantity(unknown("motor", name, motors))
     return wanted

@@ -95,16 +95,16 @@ class Linearisation:
         if not self.size:
             return np.zeros((0, 0))
         # taken as fast as the fastest motion, the resolvent can be inverted without loss
-        W = self.resolvent(SHIFT)
-        S = max(SHIFT, 1.0 / np.abs(np.linalg.eigvals(W)).min())
-        A = S * np.eye(self.size) - np.linalg.inv(self.resolvent(S))
+        S = max(SHIFT, 1.0 / np.abs(np.linalg.eigvals(self.resolvent)).min())
+        A = S * np.eye(self.size) - np.linalg.inv(self._closed(S)[0])
         f = self.freedom
         A[:f] = np.eye(self.size)[f : 2 * f]
         return A
 
-    def resolvent(self, S: float = SHIFT) -> Array:
-        """W(S), shape (nx, nx)."""
-        return self._closed(S)[0]
+    @cached_property
+    def resolvent(self) -> Array:
+        """W(SHIFT), shape (nx, nx)."""
+        return self._closed(SHIFT)[0]
 
     @cached_property
     def holding(self) -> Array:

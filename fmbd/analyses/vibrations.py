@@ -13,7 +13,7 @@ import numpy as np
 
 from fmbd.analyses.about import Base, base
 from fmbd.analyses.linearisation import SHIFT, Linearisation
-from fmbd.analyses.statics import shares
+from fmbd.analyses.stiffness import shares
 from fmbd.model import Model
 from fmbd.results.files import save_data
 from fmbd.results.run import Run
@@ -35,7 +35,9 @@ class Modes:
     base: Base
     poles: Array  #: lambda [1/s], complex, shape (m,); 0 for a motion that nothing opposes
     shapes: Array  #: nodal generalised coordinates, complex, largest entry 1, shape (m, nq)
-    shares: tuple[dict[str, float], ...]  #: of coordinates, and beams as a whole, in the kinetic energy of each
+    shares: tuple[
+        dict[str, float], ...
+    ]  #: of coordinates, and beams as a whole, in the kinetic energy of each
 
     @property
     def frequencies(self) -> Array:
@@ -124,7 +126,7 @@ def _poles(lin: Linearisation) -> tuple[Array, Array]:
     """Poles (m,) by their size, and x as columns (nx, m)."""
     if not lin.size:
         return np.zeros(0, complex), np.zeros((0, 0), complex)
-    W = lin.resolvent()
+    W = lin.resolvent
     mu, x = np.linalg.eig(W)
     poles = SHIFT - 1.0 / mu.astype(complex)
     some = (np.abs(poles) > ZERO) & (poles.imag > -1e-12 * np.abs(poles))

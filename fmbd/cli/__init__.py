@@ -7,11 +7,11 @@ import sys
 from collections.abc import Sequence
 
 from fmbd import __version__
-from fmbd.cli import check, export, info, matrices, modes, run, schema, statics
+from fmbd.cli import check, export, info, linearize, matrices, modes, run, schema, statics
 from fmbd.cli.common import BAD_INPUT, INTERRUPTED, STOPPED
 from fmbd.errors import AnalysisError, ModelError, UnknownQuantity
 
-COMMANDS = (check, run, info, export, statics, modes, matrices, schema)
+COMMANDS = (check, run, info, export, statics, modes, linearize, matrices, schema)
 PIPE_CLOSED = 141
 
 EPILOG = """\

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, SupportsFloat
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -148,8 +148,8 @@ def add_rest(parser: argparse.ArgumentParser) -> None:
     """Arguments of a command that looks for an equilibrium."""
     parser.add_argument(
         "--lock",
-        metavar="MOTOR",
-        nargs="+",
+        metavar="MOTOR,...",
+        type=_motors,
         help="hold the shafts of these motors, or of `all` or `none`, at their start angles (default: of those "
         "without which the mechanism would be free to fall)",
     )
@@ -163,9 +163,8 @@ def add_rest(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def lock_choice(names: list[str] | None) -> str | list[str] | None:
-    """`all`, `none`, names, or None from the argument `--lock`."""
-    return names[0] if names in (["all"], ["none"]) else names
+def _motors(text: str) -> str | list[str]:
+    return text if text in ("all", "none") else text.split(",")
 
 
 def seconds(text: str) -> float:
@@ -179,8 +178,9 @@ def seconds(text: str) -> float:
     return time
 
 
-def number(value: float, digits: int = 6) -> str:
+def number(value: SupportsFloat, digits: int = 6) -> str:
     """A number in a table: round-off of zero is zero."""
+    value = float(value)
     return f"{value if abs(value) > 1e-12 else 0.0:.{digits}g}"
 
 

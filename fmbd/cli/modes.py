@@ -11,7 +11,6 @@ from fmbd.cli.common import (
     columns,
     compiling_announced,
     facts,
-    lock_choice,
     number,
     read_model,
     replacing,
@@ -23,8 +22,8 @@ from fmbd.cli.common import (
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fmbd.analyses import Modes
     from fmbd.analyses.about import Base
+    from fmbd.analyses.vibrations import Modes
 
 KINDS = (".json", ".csv", ".npz", ".mat", ".h5")
 
@@ -62,10 +61,12 @@ def add_about(parser: argparse.ArgumentParser) -> None:
         "--about",
         metavar="STATE",
         default="equilibrium",
-        help="`equilibrium` (default), `start`, or the archive of a run, whose state at --time (default: its end) is taken",
+        help="`equilibrium` (default), `start`, or the archive of a run: its state at --time (default: its end)",
     )
     parser.add_argument(
-        "--open-loop", action="store_true", help="controllers do not act; their motors keep the input that they have"
+        "--open-loop",
+        action="store_true",
+        help="controllers do not act; their motors keep the input that they have",
     )
 
 
@@ -76,7 +77,7 @@ def _count(text: str) -> int:
 
 
 def _modes(args: argparse.Namespace) -> int:
-    from fmbd.analyses import modes
+    from fmbd.analyses.vibrations import modes
     from fmbd.results.files import write_data
 
     model = read_model(args)
@@ -85,7 +86,7 @@ def _modes(args: argparse.Namespace) -> int:
             model,
             about=args.about,
             time=args.time,
-            lock=lock_choice(args.lock),
+            lock=args.lock,
             moving=args.moving,
             release=args.release,
             open_loop=args.open_loop,
@@ -107,17 +108,22 @@ def about_facts(base: "Base") -> Iterator[tuple[str, str]]:
     if base.locked:
         yield "motors held", held(base.locked, base.chosen)
     if base.constant:
-        inputs = dict(zip(base.linearisation.arrangement.constant, base.linearisation.arrangement.inputs(), strict=True))
+        arrangement = base.linearisation.arrangement
+        inputs = dict(zip(arrangement.constant, arrangement.inputs(), strict=True))
         model = base.linearisation.system.model
         names = list(model.motors)
         units = {"dc": "V", "torque": "N m"}
-        fed = (f"{n} at {number(inputs[names.index(n)])} {units[model.motors[n].type]}" for n in base.constant)
+        fed = (
+            f"{n} at {number(inputs[names.index(n)])} {units[model.motors[n].type]}" for n in base.constant
+        )
         yield "motors free", f"{shown(fed)}, constant"
     for remark in base.remarks:
         yield "remark", remark
 
 
 def _stability(found: "Modes") -> str:
+    if not found.poles.size:
+        return "nothing can move"
     if found.stable:
         return "no motion grows"
     growing = [k + 1 for k, time in enumerate(found.decay_times) if time < 0.0]
@@ -125,19 +131,27 @@ def _stability(found: "Modes") -> str:
 
 
 def _table(found: "Modes", most: int) -> "Table":
-    table = columns("no. []", "frequency [Hz]", "damping ratio []", "decay time [s]", "motion, by share in the kinetic energy")
-    for k, pole in enumerate(found.poles[:most]):
-        ratio, time = found.damping_ratios[k], found.decay_times[k]
-        steady = not abs(time) < float("inf")
-        if pole == 0.0:
-            what = ("-", "-", "free")
-        elif pole.imag > 0.0:
-            what = (number(found.frequencies[k], 7), "0" if steady else number(ratio, 4), "-" if steady else number(time, 4))
-        else:
-            what = ("-", "-", number(time, 4))
-        parts = [f"{name} {share:.0%}" for name, share in found.shares[k].items() if share > 0.05][:4]
-        moving = ", ".join(parts) if max(found.shares[k].values(), default=0.0) > 0.0 else "currents alone"
-        table.add_row(str(k + 1), *what, moving)
+    motion = "motion, by share in the kinetic energy"
+    table = columns("no. []", "frequency [Hz]", "damping ratio []", "decay time [s]", motion)
+    for k in range(min(most, found.poles.size)):
+        table.add_row(str(k + 1), *_numbers(found, k), _motion(found.shares[k]))
     if found.poles.size > most:
-        table.add_row("...", "", "", "", f"{found.poles.size - most} more up to {number(found.frequencies.max(), 4)} Hz")
+        highest = number(found.frequencies.max(), 4)
+        table.add_row("...", "", "", "", f"{found.poles.size - most} more, up to {highest} Hz")
     return table
+
+
+def _numbers(found: "Modes", k: int) -> tuple[str, str, str]:
+    """Frequency, damping ratio, decay time."""
+    if found.poles[k] == 0.0:
+        return "-", "-", "free"
+    lasting = not abs(found.decay_times[k]) < float("inf")
+    time = "-" if lasting else number(found.decay_times[k], 4)
+    if found.frequencies[k] == 0.0:
+        return "-", "-", time
+    return number(found.frequencies[k], 7), "0" if lasting else number(found.damping_ratios[k], 4), time
+
+
+def _motion(shares: dict[str, float]) -> str:
+    parts = [f"{name} {share:.0%}" for name, share in shares.items() if share > 0.05]
+    return ", ".join(parts[:3]) or "currents alone"

@@ -12,7 +12,6 @@ from fmbd.cli.common import (
     columns,
     compiling_announced,
     facts,
-    lock_choice,
     number,
     read_model,
     replacing,
@@ -24,7 +23,7 @@ from fmbd.cli.common import (
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fmbd.analyses import Equilibrium
+    from fmbd.analyses.statics import Equilibrium
 
 #: Rows of a table.
 ROWS = 30
@@ -58,18 +57,25 @@ def add(commands: Any) -> None:
 
 
 def _statics(args: argparse.Namespace) -> int:
-    from fmbd.analyses import equilibrium
+    from fmbd.analyses.statics import equilibrium
     from fmbd.results.files import write_data
 
     model = read_model(args)
     with compiling_announced():
-        rest = equilibrium(model, time=args.time or 0.0, lock=lock_choice(args.lock), moving=args.moving)
+        rest = equilibrium(model, time=args.time or 0.0, lock=args.lock, moving=args.moving)
     if args.quantities:
         show(_quantities(rest, args.quantities))
     else:
         show(f"{model.name}: {_TITLES[rest.verdict]} at t = {rest.run.time[0]:g} s", style="bold")
         show(facts(_found(rest)))
-        for table in (_coordinates(rest), _points(rest), _beams(rest), _joints(rest), _motors(rest), _springs(rest)):
+        for table in (
+            _coordinates(rest),
+            _points(rest),
+            _beams(rest),
+            _joints(rest),
+            _motors(rest),
+            _springs(rest),
+        ):
             if table.row_count:
                 show("", table)
     if args.output:
@@ -104,12 +110,14 @@ def _found(rest: "Equilibrium") -> Iterator[tuple[str, str]]:
         yield "stability", f"nothing opposes a motion of {moving}"
     elif rest.verdict == "stable":
         frequency = sqrt(rest.stiffness) / tau
-        yield "stability", f"stable; least stiff against a motion of {moving}: as at {number(frequency, 4)} Hz"
+        yield "stability", f"least stiff against a motion of {moving}: as at {number(frequency, 4)} Hz"
     else:
         time = 1.0 / sqrt(-rest.stiffness)
         yield "stability", f"a motion of {moving} would grow, by e in {number(time, 3)} s if nothing damps it"
-    energy = rest["energy.potential"] + rest["energy.elastic"]
-    yield "energy", f"{number(energy)} J: {number(rest['energy.potential'])} of gravity, {number(rest['energy.elastic'])} elastic"
+    yield (
+        "energy",
+        f"{number(rest['energy.potential'])} J of gravity, {number(rest['energy.elastic'])} J elastic",
+    )
     for remark in rest.remarks:
         yield "remark", remark
 
@@ -132,16 +140,14 @@ def _coordinates(rest: "Equilibrium") -> "Table":
     start = dict(zip(system.coordinate_names, system.start.q, strict=True))
     table = columns("coordinate", "[m, rad]", "[deg]", "from the start [m, rad]")
     names = [(n, d) for n, joint in system.model.joints.items() for d in joint.coordinates]
-    found = [(f"{name}.{d}", d == "angle", (name, d)) for name, d in names]
-    found += [(link.name, True, None) for link in system.tree.links if link.motor is not None]
-    for name, turns, joint in found[:ROWS]:
-        value = rest[name]
-        if name in start:
-            before = start[name]
-        else:
-            before = mechanism.coordinates(system.start.q, [joint])[0][0] if joint else value
-        table.add_row(name, number(value), number(degrees(value), 6) if turns else "", number(value - before, 4))
-    return _cut(table, len(found))
+    rotors = [link.name for link in system.tree.links if link.motor is not None]
+    before = [value for value, _ in mechanism.coordinates(system.start.q, names)]
+    labels = [*(".".join(name) for name in names), *rotors]
+    for name, old in list(zip(labels, [*before, *(start[name] for name in rotors)], strict=True))[:ROWS]:
+        value = float(rest[name])
+        angle = "" if name.endswith((".x", ".y")) else number(degrees(value))
+        table.add_row(name, number(value), angle, number(value - old, 4))
+    return _cut(table, len(names) + len(rotors))
 
 
 def _points(rest: "Equilibrium") -> "Table":

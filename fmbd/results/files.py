@@ -22,22 +22,24 @@ def write_data(file: BinaryIO, suffix: str, data: Data, table: Iterable[Sequence
         case ".json":
             file.write(json.dumps(_plain(data), indent=1).encode() + b"\n")
         case ".csv":
-            with io.TextIOWrapper(file, encoding="utf-8", newline="") as text:
-                csv.writer(text, lineterminator="\n").writerows(table)
-                text.flush()
-                text.detach()
+            text = io.TextIOWrapper(file, encoding="utf-8", newline="")
+            csv.writer(text, lineterminator="\n").writerows(table)
+            text.flush()
+            text.detach()  # the file is not ours to close
         case ".h5":
             import h5py
 
-            with h5py.File(file, "w") as root:
+            memory = io.BytesIO()  # HDF5 reads while it writes
+            with h5py.File(memory, "w") as root:
                 _group(root, data)
+            file.write(memory.getvalue())
         case ".npz":
             np.savez(file, **{name: np.asarray(value) for name, value in data.items()})  # type: ignore[arg-type]
         case ".mat":
             from scipy.io import savemat
 
             cells = {name: np.array(v, object) if _is_texts(v) else v for name, v in data.items()}
-            savemat(file, cells, oned_as="column")
+            savemat(file, cells, oned_as="column")  # type: ignore[arg-type]
         case _:
             raise ValueError(f"cannot write '{suffix}'")
 
