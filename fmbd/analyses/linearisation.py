@@ -4,7 +4,7 @@
     T      states (y, y', z) that the constraints allow, T (y, y', z) = (N y, N y' + E y, z); N^T M N = I (motions.py)
     A      x' = A x for x = (y, y', z): the motion in y = N^T M (q - q0), exact to first order
     W(S)   (S - A)^-1, the resolvent, solved body by body: vibrations of all speeds are right in it to round-off
-    C, mu  rows of held shafts, and the torques that hold them: C U = 0
+    P, e   motions that are not allowed, by constraints or because shafts are held, and what keeps them at rest
     G, w   input of motors by gravity compensation computed online, w = G U; the kernels leave it out
 E is not zero only where loops are closed and move.
 Coordinates are modal, in nodal ones only where it says so.
@@ -80,7 +80,7 @@ class Linearisation:
 
     @cached_property
     def drift(self) -> Array:
-        """E (nq, f)."""
+        """E, how N turns with the motion, shape (nq, f)."""
         system, (q, v, _), t = self.system, self.state, self.arrangement.t
         if not self.motions.kept:
             return np.zeros_like(self.motions.N)
@@ -195,9 +195,9 @@ class Linearisation:
         w = np.array(weights)
         for k in range(len(x)):
             columns = (part[k] for part in given)
-            solve_linearised(
-                system.planar, self._couplings, system.work, self._tangent, q, v, w, *columns, x[k], dz[k]
-            )
+            scratch = self._couplings, system.work, self._tangent
+            if solve_linearised(system.planar, *scratch, q, v, w, *columns, x[k], dz[k]) >= 0:
+                raise AnalysisError("the equations of motion cannot be solved here: the position is singular")
         return x.T, dz.T
 
     def _compensation(self) -> dict[int, Array]:

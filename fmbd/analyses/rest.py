@@ -26,51 +26,63 @@ LONGEST = 0.5
 SMALL = 1e-9
 #: Share of a step below which it is taken as it is.
 LEAST = 1e-3
+#: So many of the longest steps from the start, and a coordinate has run away.
+AWAY = 20.0
 _CLOSED = 1e-11
 _STAGES = 50  # in which driven joints are brought to their places
 
 
 def come_to_rest(arrangement: Arrangement, q: Array, z: Array) -> tuple[Linearisation, int]:
-    """The linearisation at the equilibrium, and the iterations that it took."""
-    system = arrangement.system
-    v = np.zeros_like(q)
-    lin = Linearisation(arrangement, q, v, z)
+    """The linearisation at the equilibrium, and the steps that it took, from nodal q (nq,) and states z (nz,)."""
+    lin = Linearisation(arrangement, q, np.zeros_like(q), z)
     last = False
-    for taken in range(ITERATIONS):
+    for taken in range(1, ITERATIONS + 1):
         stiffness, _ = tangent_stiffness(lin)
         lowest = stiffness[0] if stiffness.size else np.inf
         sigma = 0.0 if last or lowest > INDIFFERENT else max(-1.5 * lowest, 1.0)
         u = damped_step(lin, sigma, lin.unbalanced)
-        if not np.all(np.isfinite(u)):
+        size = float(np.abs(lin.directions(u[:, None])[0]).max(initial=0.0))
+        if not np.isfinite(size):
             break
-        dq, _, dz = (part[:, 0] for part in lin.directions(u[:, None]))
-        share = min(1.0, 1.0 / max(_length(system, q, dq), 1e-300))
-        small = np.abs(dq).max(initial=0.0) < SMALL
-        while True:
-            try:
-                trial = _closed(arrangement, q + share * dq, q)
-                there = Linearisation(arrangement, trial, v, z + share * dz)
-                if sigma > 0.0 or small or share < LEAST or _nearer(lin, there, u, share):
-                    break
-            except AnalysisError:
-                if share < LEAST:
-                    raise
-            share *= 0.5
-        lin, q, z = there, trial, z + share * dz
+        lin = _step(lin, u, cautious=sigma == 0.0 and size > SMALL)
         if last or not lin.size:
-            return lin, taken + 1
-        last = small
+            return lin, taken
+        last = size < SMALL
+    raise _failure(lin, q)
+
+
+def _step(lin: Linearisation, u: Array, cautious: bool) -> Linearisation:
+    """As much of a step u in x as is not too long, closes the loops and, if cautious, comes nearer to rest."""
+    arrangement, (q, v, z) = lin.arrangement, lin.state
+    dq, _, dz = (part[:, 0] for part in lin.directions(u[:, None]))
+    share = min(1.0, 1.0 / max(_length(arrangement.system, q, dq), 1e-300))
+    while True:
+        try:
+            there = Linearisation(arrangement, _closed(arrangement, q + share * dq, q), v, z + share * dz)
+            if not cautious or share < LEAST or _nearer(lin, there, u, share):
+                return there
+        except AnalysisError:
+            if share < LEAST:
+                raise
+        share *= 0.5
+
+
+def _failure(lin: Linearisation, start: Array) -> AnalysisError:
+    """Why there is no equilibrium, or none was found."""
+    q, names = lin.state[0], lin.system.coordinate_names
     stiffness, shapes = tangent_stiffness(lin)
     free = shapes[:, np.abs(stiffness) < 1e3 * INDIFFERENT]
     if free.size:
         pull = lin.unbalanced[lin.freedom : 2 * lin.freedom]
         where = dominant(lin, free @ np.linalg.lstsq(free, pull, rcond=None)[0])
-        raise AnalysisError(f"no equilibrium: nothing stops {_listed(where)}, which can move freely")
-    pulled = np.abs(lin.basis @ lin.acceleration)
-    name = system.coordinate_names[int(pulled.argmax())]
-    raise AnalysisError(
-        f"no equilibrium found in {ITERATIONS} steps: {name} = {q[int(pulled.argmax())]:.6g} is still accelerated most"
-    )
+        return AnalysisError(f"no equilibrium: nothing stops {_listed(where)}, which can move freely")
+    gone = int(np.abs(q - start).argmax())
+    if _length(lin.system, start, np.eye(q.size)[gone] * (q[gone] - start[gone])) > AWAY:
+        way = f"from {start[gone]:.4g} it went to {q[gone]:.4g} in {ITERATIONS} steps"
+        return AnalysisError(f"no equilibrium found: nothing stops {names[gone]}; {way}")
+    k = int(np.abs(lin.basis @ lin.acceleration).argmax())
+    text = f"{names[k]} is accelerated most, where it is {q[k]:.6g}"
+    return AnalysisError(f"no equilibrium found in {ITERATIONS} steps: {text}")
 
 
 def _listed(names: tuple[str, ...]) -> str:

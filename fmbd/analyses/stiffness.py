@@ -48,17 +48,21 @@ def shares(lin: Linearisation, motions: Array) -> dict[str, float]:
 
 
 def newton_step(lin: Linearisation) -> Array:
-    """Newton's step towards an equilibrium, nodal coordinates (nq,); infinite where motions are free."""
-    try:
-        return lin.directions(damped_step(lin, 0.0, lin.unbalanced)[:, None])[0][:, 0]
-    except np.linalg.LinAlgError:
-        return np.full(lin.system.planar.nq, np.inf)
+    """Newton's step towards an equilibrium, nodal coordinates (nq,)."""
+    return lin.directions(damped_step(lin, 0.0, lin.unbalanced)[:, None])[0][:, 0]
 
 
 def damped_step(lin: Linearisation, sigma: float, b: Array) -> Array:
-    """u of (Sigma - A) u = b: Newton's step if sigma is 0, else against a resistance sigma to all motions."""
+    """u of (Sigma - A) u = b: Newton's step if sigma is 0, else against a resistance sigma to all motions.
+
+    Of many, as there are where a motion is free or an integral does nothing, the least.
+    """
     f = lin.freedom
     W = lin.resolvent
     resisted = np.zeros_like(W)
     resisted[f : 2 * f, :f] = sigma * np.eye(f)
-    return np.linalg.solve(np.eye(lin.size) + W @ resisted - SHIFT * W, W @ b)
+    both = np.eye(lin.size) + W @ resisted - SHIFT * W, W @ b
+    try:
+        return np.linalg.solve(*both)
+    except np.linalg.LinAlgError:
+        return np.linalg.lstsq(*both, rcond=None)[0]

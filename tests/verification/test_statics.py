@@ -209,6 +209,14 @@ def test_what_falls_for_ever_is_named():
     loose = {"type": "free", "between": ["ground.origin", "ball.origin"]}
     with pytest.raises(fmbd.AnalysisError, match=r"nothing stops loose\.y, which can move freely"):
         fmbd.equilibrium(model(gravity=[0, -G], bodies={"ball": MASS}, joints={"loose": loose}))
+    motor = {"motor": {"type": "torque", "joint": "hinge", "torque": 9}}
+    spun = {
+        "gravity": [0, -G],
+        "bodies": {"rod": ROD},
+        "joints": {"hinge": revolute("ground.origin", "rod.origin")},
+    }
+    with pytest.raises(fmbd.AnalysisError, match=r"nothing stops hinge\.angle; from 0 it went to"):
+        fmbd.equilibrium(model(**spun, motors=motor), lock="none")  # m g s is 5.9 N m
     still = fmbd.equilibrium(model(bodies={"ball": MASS}, joints={"loose": loose}))
     assert still.verdict == "indifferent"
     assert set(still.softest) == {"loose.x", "loose.y", "loose.angle"}
