@@ -145,8 +145,9 @@ def _numbers(found: "Modes", k: int) -> tuple[str, str, str]:
     """Frequency, damping ratio, decay time."""
     if found.poles[k] == 0.0:
         return "-", "-", "free"
-    lasting = not abs(found.decay_times[k]) < float("inf")
-    time = "-" if lasting else number(found.decay_times[k], 4)
+    decay = float(found.decay_times[k])
+    lasting = abs(decay) == float("inf")
+    time = "-" if lasting else number(decay, 4) if decay > 0.0 else f"grows, {number(-decay, 4)}"
     if found.frequencies[k] == 0.0:
         return "-", "-", time
     return number(found.frequencies[k], 7), "0" if lasting else number(found.damping_ratios[k], 4), time
