@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, SupportsFloat
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -177,7 +177,7 @@ def share_bar(what: str, quiet: bool = False) -> Iterator[Callable[[float], None
 
 
 def suffixed(*suffixes: str) -> Callable[[str], Path]:
-    """The type of an argument that names a file to write."""
+    """The type of an argument that names a file to write, of one of these kinds."""
 
     def path(text: str) -> Path:
         if Path(text).suffix.lower() not in suffixes:
@@ -187,6 +187,46 @@ def suffixed(*suffixes: str) -> Callable[[str], Path]:
         return Path(text)
 
     return path
+
+
+def add_rest(parser: argparse.ArgumentParser) -> None:
+    """Arguments of a command that looks for an equilibrium."""
+    parser.add_argument(
+        "--lock",
+        metavar="MOTOR,...",
+        type=_motors,
+        help="hold the shafts of these motors, or of `all` or `none`, at their start angles (default: of those "
+        "without which the mechanism would be free to fall)",
+    )
+    parser.add_argument(
+        "--time", metavar="SECONDS", type=seconds, help="time of loads, motors and driven joints (default 0)"
+    )
+    parser.add_argument(
+        "--moving",
+        action="store_true",
+        help="driven joints keep the speed that they have then, as in a rotating frame, and do not stand still",
+    )
+
+
+def _motors(text: str) -> str | list[str]:
+    return text if text in ("all", "none") else text.split(",")
+
+
+def seconds(text: str) -> float:
+    """The type of an argument that is a time."""
+    try:
+        time = float(text)
+    except ValueError:
+        time = -1.0
+    if not 0.0 <= time < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a time from 0 on")
+    return time
+
+
+def number(value: SupportsFloat, digits: int = 6) -> str:
+    """A number in a table: round-off of zero is zero."""
+    value = float(value)
+    return f"{value if abs(value) > 1e-12 else 0.0:.{digits}g}"
 
 
 @contextmanager

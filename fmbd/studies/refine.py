@@ -12,7 +12,6 @@ from typing import Any
 
 from fmbd.errors import ModelError, UnknownQuantity
 from fmbd.model import Model, load_model
-from fmbd.solvers.auto import TIGHT
 from fmbd.studies.measure import COMPLETE, Measured, columns_of, measure
 from fmbd.studies.pool import Report, side_by_side
 from fmbd.studies.study import Axis, Member, Study, finest
@@ -125,13 +124,7 @@ def tightened(model: Model) -> dict[str, Any]:
     if simulation.method == "generalized_alpha" and step is not None:
         return {"simulation.generalized_alpha.step": SHORTER * step}
     rtol, atol = (float(f"{max(TIGHTER * x, _TIGHTEST):.6g}") for x in (simulation.rtol, simulation.atol))
-    tighter = {"simulation.rtol": rtol, "simulation.atol": atol}
-    if simulation.method == "auto" and rtol < TIGHT <= simulation.rtol:
-        return {
-            "simulation.method": "radau",
-            **tighter,
-        }  # auto would be explicit there, also where beams are stiff
-    return tighter
+    return {"simulation.rtol": rtol, "simulation.atol": atol}
 
 
 def _comparable(models: Sequence[Model], names: Sequence[str], analysis: str) -> None:

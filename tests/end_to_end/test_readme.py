@@ -56,6 +56,19 @@ def test_results_in_python(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert fmbd.open_run(folder / "five_bar_4.vtkhdf").status == "complete"
 
 
+def test_analyses(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for line in block("sh", "fmbd statics").splitlines():
+        program, *arguments = shlex.split(line, comments=True)
+        assert program == ".venv/bin/fmbd"
+        assert main(arguments) == 0, line
+    assert (folder / "five_bar.mat").stat().st_size > 1000
+    shown = re.search(r"^five-bar: modes.*?\.\.\.$", README, flags=re.DOTALL | re.MULTILINE)
+    assert shown and shown[0].removesuffix("...") in capsys.readouterr().out
+    namespace: dict[str, object] = {"fmbd": fmbd, "model": fmbd.load_model("models/five_bar.yaml")}
+    exec(block("python", "fmbd.equilibrium"), namespace)
+    assert capsys.readouterr().out.startswith("stable -0.00098")
+
+
 def test_figures_of_the_five_bar(folder: Path) -> None:
     archive = folder / "short.vtkhdf"
     fmbd.simulate(fmbd.load_model("models/five_bar.yaml", {"simulation.duration": 0.02}), archive)
