@@ -1,6 +1,7 @@
 """The equations of motion linearised about a state, in independent coordinates.
 
-    J      derivative of (v, q'', z') by (q, v, z): the exact tangent of the implicit methods, constraints included
+    J      derivative of (v, q'', z') by (q, v, z): the exact tangent of the implicit methods, constraints included;
+           by differences where beams shorten, for that is not in the tangent
     T      states (y, y', z) that the constraints allow, T (y, y', z) = (N y, N y' + E y, z); N^T M N = I (motions.py)
     A      x' = A x for x = (y, y', z): the motion in y = N^T M (q - q0), exact to first order
     W(S)   (S - A)^-1, the resolvent, solved body by body: vibrations of all speeds are right in it to round-off
@@ -29,6 +30,7 @@ Array = np.ndarray
 SHIFT = 100.0
 _STEP = 1e-200  # of the complex derivative
 _TURN = 1e-3  # of the differences of gravity compensation [rad or m]
+_SMALL = 1e-4  # of those of accelerations, in elastic coordinates another tenth
 _DEPENDENT = 1e-10
 
 
@@ -57,9 +59,10 @@ class Linearisation:
         rows = pathway_rows(system, q, arrangement.t) @ self.basis
         self._held, self._shafts = rows[arrangement.held], rows[planar.motors["pathway"]]
         self._constraints = rows[planar.constraints["pathway"]]
+        self._shortening = bool((planar.bodies["axial"] >= 0).any())
         self.acceleration, self.state_rates = arrangement.rates(*self._modal)
         self._hold()
-        self._gains = self._compensation()
+        self._gains = {} if self._shortening else self._compensation()
 
     def _hold(self) -> None:
         """Feed the motors whose shafts are held with what keeps them from moving."""
@@ -176,11 +179,16 @@ class Linearisation:
         """U of (S - J) U = R with `force` (nq, k) on the coordinates, shafts let go, no gravity compensated online."""
         rates = np.zeros((self._modal[2].size, Rq.shape[1]))
         rates[self.states] = Rz
+        if self._shortening:
+            R = np.vstack([Rq, Rv + self._accelerated(force), rates])
+            return self._parts(np.linalg.solve(S * np.eye(len(R)) - self._differences, R))
         x, z = self._columns((1.0 / S, 1.0, S, 1.0 / S), -Rq, -S * Rq - Rv, force, rates)
         return x / S, x - Rq, z[self.states]
 
     def _accelerated(self, force: Array) -> Array:
         """q'' (nq, k) by forces."""
+        if self._shortening:
+            return self._dense_inverse @ force
         none = np.zeros((self._modal[2].size, force.shape[1]))
         return self._columns((0.0, 0.0, 1.0, 0.0), 0.0 * force, 0.0 * force, force, none)[0]
 
@@ -199,6 +207,38 @@ class Linearisation:
             if solve_linearised(system.planar, *scratch, q, v, w, *columns, x[k], dz[k]) >= 0:
                 raise AnalysisError("the equations of motion cannot be solved here: the position is singular")
         return x.T, dz.T
+
+    def _parts(self, U: Array) -> tuple[Array, Array, Array]:
+        """q, v and the states that count of U (2 nq + nz, k)."""
+        n = self.system.planar.nq
+        return U[:n], U[n : 2 * n], U[2 * n :][self.states]
+
+    @cached_property
+    def _dense_inverse(self) -> Array:
+        """Accelerations by unit forces, constraints included, shape (nq, nq)."""
+        M, A = self.motions.M, self._constraints
+        free = np.linalg.inv(M)
+        return free - free @ A.T @ np.linalg.pinv(A @ free @ A.T, rcond=_DEPENDENT) @ A @ free
+
+    @cached_property
+    def _differences(self) -> Array:
+        """J, shape (2 nq + nz, 2 nq + nz), by central differences of accelerations, extrapolated once."""
+        n = self.system.planar.nq
+        state = np.concatenate(self._modal)
+        steps = np.full(state.size, _SMALL)
+        steps[np.flatnonzero(np.tile(self.system.elastic, 2))] *= 0.1
+        J = np.zeros((state.size, state.size))
+        J[:n, n : 2 * n] = np.eye(n)
+        for k, step in enumerate(steps):
+            e = step * np.eye(state.size)[k]
+            near, far = (self._rates(state + m * e) - self._rates(state - m * e) for m in (1.0, 2.0))
+            J[n:, k] = (8.0 * near - far) / (12.0 * step)
+        return J
+
+    def _rates(self, state: Array) -> Array:
+        """Accelerations and rates of the states."""
+        n = self.system.planar.nq
+        return np.concatenate(self.arrangement.rates(state[:n], state[n : 2 * n], state[2 * n :]))
 
     def _compensation(self) -> dict[int, Array]:
         """Of motors whose gravity compensation is computed online, how their input changes with q: {motor: (nq,)}."""
