@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fmbd.model import Model, load_model
     from fmbd.model.schema import json_schema
     from fmbd.results.archive import ArchiveError
+    from fmbd.results.plots.plot import figures
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
     from fmbd.system import System, assemble
@@ -30,6 +31,7 @@ __all__ = [
     "UnknownQuantity",
     "__version__",
     "assemble",
+    "figures",
     "json_schema",
     "load_model",
     "open_run",
@@ -44,6 +46,7 @@ _HOMES = {
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
     "assemble": "fmbd.system",
+    "figures": "fmbd.results.plots.plot",
     "json_schema": "fmbd.model.schema",
     "load_model": "fmbd.model",
     "open_run": "fmbd.results.run",

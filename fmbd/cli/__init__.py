@@ -7,11 +7,11 @@ import sys
 from collections.abc import Sequence
 
 from fmbd import __version__
-from fmbd.cli import check, export, info, matrices, run, schema
+from fmbd.cli import check, export, info, matrices, plot, run, schema
 from fmbd.cli.common import BAD_INPUT, INTERRUPTED
 from fmbd.errors import ModelError, UnknownQuantity
 
-COMMANDS = (check, run, info, export, matrices, schema)
+COMMANDS = (check, run, info, export, plot, matrices, schema)
 PIPE_CLOSED = 141
 
 EPILOG = """\
@@ -20,6 +20,7 @@ exit codes: 0 done, 1 a run stopped before its end (its archive is kept), 2 bad 
   fmbd check models/five_bar.yaml                        what the model is, and whether it is what was meant
   fmbd run models/five_bar.yaml                          simulate it; the results are in five-bar.vtkhdf
   fmbd export five-bar.vtkhdf tip.csv --quantities rod_right.end.position
+  fmbd plot five-bar.vtkhdf                              figures: joints, beams, constraints
 """
 
 

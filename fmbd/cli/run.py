@@ -130,6 +130,7 @@ def _summarise(run: "Run", output: Path) -> None:
         *course(run.statistics),
         ("archive", f"{output} ({size:.3g} MB); ParaView plays it"),
         ("next", f"fmbd info {output}"),
+        ("", f"fmbd plot {output}"),
         ("", f"fmbd export {output} {output.with_suffix('.csv')}"),
     ]
     show(facts(rows))
