@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from fmbd.model.schema import json_schema
     from fmbd.results.archive import ArchiveError
     from fmbd.results.plots.plot import figures
+    from fmbd.results.report.page import report
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
     from fmbd.system import System, assemble
@@ -35,6 +36,7 @@ __all__ = [
     "json_schema",
     "load_model",
     "open_run",
+    "report",
     "simulate",
 ]
 
@@ -50,6 +52,7 @@ _HOMES = {
     "json_schema": "fmbd.model.schema",
     "load_model": "fmbd.model",
     "open_run": "fmbd.results.run",
+    "report": "fmbd.results.report.page",
     "simulate": "fmbd.results.simulate",
 }
 
