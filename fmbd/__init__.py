@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from fmbd.errors import ModelError, UnknownQuantity
     from fmbd.model import Model, load_model
     from fmbd.model.schema import json_schema
+    from fmbd.results.animation.movie import animate
     from fmbd.results.archive import ArchiveError
     from fmbd.results.plots.plot import figures
     from fmbd.results.report.page import report
@@ -31,6 +32,7 @@ __all__ = [
     "System",
     "UnknownQuantity",
     "__version__",
+    "animate",
     "assemble",
     "figures",
     "json_schema",
@@ -47,6 +49,7 @@ _HOMES = {
     "Run": "fmbd.results.run",
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
+    "animate": "fmbd.results.animation.movie",
     "assemble": "fmbd.system",
     "figures": "fmbd.results.plots.plot",
     "json_schema": "fmbd.model.schema",

@@ -7,11 +7,11 @@ import sys
 from collections.abc import Sequence
 
 from fmbd import __version__
-from fmbd.cli import check, export, info, matrices, plot, report, run, schema
+from fmbd.cli import animate, check, export, info, matrices, plot, report, run, schema
 from fmbd.cli.common import BAD_INPUT, INTERRUPTED
 from fmbd.errors import ModelError, UnknownQuantity
 
-COMMANDS = (check, run, info, export, plot, report, matrices, schema)
+COMMANDS = (check, run, info, export, plot, report, animate, matrices, schema)
 PIPE_CLOSED = 141
 
 EPILOG = """\
@@ -22,6 +22,7 @@ exit codes: 0 done, 1 a run stopped before its end (its archive is kept), 2 bad 
   fmbd export five-bar.vtkhdf tip.csv --quantities rod_right.end.position
   fmbd plot five-bar.vtkhdf                              figures: joints, beams, constraints
   fmbd report five-bar.vtkhdf                            a page for the browser, with the mechanism in motion
+  fmbd animate five-bar.vtkhdf five-bar.gif              the mechanism in motion
 """
 
 

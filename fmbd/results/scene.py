@@ -4,7 +4,7 @@ Figures, animations and report pages all draw a `Scene`; the drawing in the arch
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,13 +34,15 @@ class Item:
       ground    where something is held on the ground
       clamp     where something is fixed to the ground; a second point along the direction of what is held
       rail      ends of the line on which something slides
-      body      outline of a rigid body; a line for one of two points
+      body      what a rigid body connects: the convex outline of its points, a line for two of them
+      shape     outline of a rigid body by its shape
       wheel     a rigid body without extent: centre, and a point on the rim that turns with it
       beam      axis of a beam
       spring    ends
       block     corners of a slider
       pin       a joint that turns
       motor     a joint with a motor
+    other: of a joint the other body
     straight: ends of the axis of a beam before it bends, shape (nt, 2): from them a deflection is exaggerated
     """
 
@@ -48,15 +50,15 @@ class Item:
     body: str
     points: Plane
     straight: Plane | None = None
+    other: str = ""
 
-    def exaggerated(self, scale: float) -> Plane:
-        """The points with `scale` times the deflection."""
-        if self.straight is None or scale == 1.0:
-            return self.points
-        along = np.linspace(0.0, 1.0, self.points.shape[1])
+    def exaggerated(self, scale: float) -> "Item":
+        """The item with `scale` times the deflection."""
+        if self.straight is None:
+            return self
         start, end = self.straight[:, :1], self.straight[:, 1:]
-        straight = start + (end - start) * along
-        return straight + scale * (self.points - straight)
+        straight = start + (end - start) * np.linspace(0.0, 1.0, self.points.shape[1])
+        return replace(self, points=straight + scale * (self.points - straight))
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,15 @@ class Scene:
         left, right, bottom, top = self.extent
         return max(right - left, top - bottom)
 
+    def exaggerated(self, scale: float) -> "Scene":
+        """The scene with `scale` times the deflections of beams, and room for them."""
+        if scale == 1.0:
+            return self
+        items = tuple(item.exaggerated(scale) for item in self.items)
+        ends = {f"{item.body}.end": item.points[:, -1] for item in items if item.kind == "beam"}
+        tracks = {name: ends.get(name, track) for name, track in self.tracks.items()}
+        return Scene(self.time, items, tracks, _extent([_reach(item) for item in items]))
+
 
 def scene(run: "Run", rows: Sequence[int] | NDArray[np.int64]) -> Scene:
     """The mechanism of a run at the output times of these rows."""
@@ -89,7 +100,7 @@ def scene(run: "Run", rows: Sequence[int] | NDArray[np.int64]) -> Scene:
     extent = _extent([part.points for part in parts] + [track[:, None] for track in tracks.values()])
     size = SYMBOL * max(extent[1] - extent[0], extent[3] - extent[2])
     items = [*parts, *_wheels(run.model, motion, 3.0 * size), *_joints(run.model, motion, size)]
-    order = ("rail", "ground", "clamp", "body", "wheel", "beam", "spring", "block", "motor", "pin")
+    order = ("rail", "ground", "clamp", "body", "shape", "wheel", "beam", "spring", "block", "motor", "pin")
     items.sort(key=lambda item: order.index(item.kind))
     reach = [_reach(item) for item in items]
     return Scene(motion.time, tuple(items), tracks, _extent(reach))
@@ -120,7 +131,10 @@ def _parts(model: Model, motion: Motion) -> Iterator[Item]:
             if KINDS[kind] == "beam":
                 yield Item("beam", name, place(motion), _straight(model, motion, name))
             else:
-                yield Item({"rigid body": "body"}.get(KINDS[kind], KINDS[kind]), name, place(motion))
+                points = place(motion)
+                shaped = getattr(model.bodies.get(name), "shape", None) is not None and points.shape[1] > 2
+                rigid = "shape" if shaped else "body"
+                yield Item(rigid if KINDS[kind] == "rigid body" else KINDS[kind], name, points)
 
 
 def _straight(model: Model, motion: Motion, name: str) -> Plane:
@@ -172,7 +186,7 @@ def _joints(model: Model, motion: Motion, size: float) -> Iterator[Item]:
                 along = size * np.exp(1j * other.angle[0])[:, None]
                 yield Item("clamp", GROUND, np.concatenate([here, here + along], axis=1))
         if turns:
-            yield Item("motor" if name in driven else "pin", body, here)
+            yield Item("motor" if name in driven else "pin", body, here, other=joint.between[0].body)
 
 
 def _tracks(model: Model, motion: Motion) -> dict[str, Plane]:

@@ -31,7 +31,6 @@ def snapshots(
     scene: Scene,
     rows: Sequence[int] | NDArray[np.int64],
     trail: str | None = None,
-    scale: float = 1.0,
     width: float = WIDTH,
 ) -> Figure:
     """The poses of a scene at some of its times, the last in full, others as ghosts, and the trail of a point."""
@@ -48,8 +47,8 @@ def snapshots(
             ax.plot(track.real, track.imag, color=TRAIL, linewidth=1.0, zorder=1.5)
         *before, last = rows
         for k, row in enumerate(before):
-            draw_pose(ax, scene, row, scale, opacity=0.12 + 0.25 * k / len(before))
-        draw_pose(ax, scene, last, scale)
+            draw_pose(ax, scene, row, opacity=0.12 + 0.25 * k / len(before))
+        draw_pose(ax, scene, last)
         return figure
 
 
@@ -62,12 +61,12 @@ def frame(ax: Axes, scene: Scene) -> None:
     ax.set_ylim(bottom - border, top + border)
 
 
-def draw_pose(ax: Axes, scene: Scene, k: int, scale: float = 1.0, opacity: float = 1.0) -> None:
+def draw_pose(ax: Axes, scene: Scene, k: int, opacity: float = 1.0) -> None:
     """Draw the items of a scene at its k-th time; ghosts, below full opacity, come without what stands still."""
     size = SYMBOL * scene.size
     for item in scene.items:
         if opacity == 1.0 or item.kind not in FIXED:
-            _draw_item(ax, item, item.exaggerated(scale)[k], size, opacity)
+            _draw_item(ax, item, item.points[k], size, opacity)
 
 
 def _draw_item(ax: Axes, item: Item, points: np.ndarray, size: float, opacity: float) -> None:
@@ -77,7 +76,7 @@ def _draw_item(ax: Axes, item: Item, points: np.ndarray, size: float, opacity: f
         case "body" if points.size == 2:
             _line(ax, points, color=BODY_EDGE, linewidth=6.0, **line)
             _line(ax, points, color=BODY, linewidth=4.4, **line)
-        case "body":
+        case "body" | "shape":
             inside, edge = to_rgba(BODY, 0.85 * opacity), to_rgba(BODY_EDGE, opacity)
             corners = np.stack([points.real, points.imag], axis=1)
             ax.add_patch(

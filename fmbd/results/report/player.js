@@ -15,16 +15,21 @@ class Player {
   exaggerate(scale) {
     this.deflection = scale;
     this.extent = [...this.scene.extent];
+    this.tracks = Object.fromEntries(Object.entries(this.scene.tracks).map(([name, place]) => [name, arrays[place]]));
     if (scale === 1) return;
     const present = this.time;
-    for (this.time of this.times) {
-      for (const item of this.scene.items.filter((each) => each.straight !== undefined)) {
-        this.pointsOf(item).forEach((value, i) => {
+    for (const item of this.scene.items.filter((each) => each.straight !== undefined)) {
+      const ends = [];
+      for (this.time of this.times) {
+        const points = this.pointsOf(item);
+        points.forEach((value, i) => {
           const low = 2 * (i % 2);
           this.extent[low] = Math.min(this.extent[low], value);
           this.extent[low + 1] = Math.max(this.extent[low + 1], value);
         });
+        ends.push(...points.slice(-2));
       }
+      if (`${item.body}.end` in this.tracks) this.tracks[`${item.body}.end`] = ends;
     }
     this.time = present;
   }
@@ -32,8 +37,8 @@ class Player {
   get duration() { return this.times[this.frames - 1]; }
 
   // Points of an array of frames at the present time: [x, y, x, y, ...].
-  at(place, count) {
-    const values = arrays[place], size = 2 * count;
+  at(values, count) {
+    const size = 2 * count;
     if (values.length === size) return values;
     const k = Math.min(before(this.times, this.time), this.frames - 2);
     const part = Math.min(Math.max((this.time - this.times[k]) / (this.times[k + 1] - this.times[k]), 0), 1);
@@ -45,9 +50,9 @@ class Player {
   }
 
   pointsOf(item) {
-    const points = this.at(item.points, item.count);
+    const points = this.at(arrays[item.points], item.count);
     if (item.straight === undefined || this.deflection === 1) return points;
-    const [x0, y0, x1, y1] = this.at(item.straight, 2), last = item.count - 1;
+    const [x0, y0, x1, y1] = this.at(arrays[item.straight], 2), last = item.count - 1;
     return Float64Array.from(points, (value, i) => {
       const along = (i >> 1) / last;
       const straight = i % 2 ? y0 + along * (y1 - y0) : x0 + along * (x1 - x0);
@@ -128,14 +133,13 @@ class Player {
   }
 
   drawTrail() {
-    const track = arrays[this.scene.tracks[this.trail]];
-    const past = track.subarray(0, 2 * (before(this.times, this.time) + 1));
+    const track = this.tracks[this.trail], past = track.slice(0, 2 * (before(this.times, this.time) + 1));
     this.line(this.toPixels(track), "rgba(213, 94, 0, 0.18)", 1.2);
-    this.line([...this.toPixels(past), ...this.toPixels(this.at(this.scene.tracks[this.trail], 1))], TRAIL, 2);
+    this.line([...this.toPixels(past), ...this.toPixels(this.at(track, 1))], TRAIL, 2);
   }
 
   drawTip() {
-    this.disc(this.toPixels(this.at(this.scene.tracks[this.trail], 1))[0], 4, TIP);
+    this.disc(this.toPixels(this.at(this.tracks[this.trail], 1))[0], 4, TIP);
   }
 
   get size() { return Math.max(5, this.pixels * this.scene.symbol); }
@@ -143,10 +147,12 @@ class Player {
   draw_rail(points) { this.line(points, "#9aa4b1", 1.2, [7, 4]); }
 
   draw_body(points) {
-    if (points.length > 2) return this.area(points, "rgba(195, 202, 211, 0.85)", EDGE, 1.6);
+    if (points.length > 2) return this.draw_shape(points);
     this.line(points, EDGE, 11);
     this.line(points, BODY, 8);
   }
+
+  draw_shape(points) { this.area(points, "rgba(195, 202, 211, 0.85)", EDGE, 1.6); }
 
   draw_wheel([centre, rim]) {
     this.disc(centre, Math.hypot(rim[0] - centre[0], rim[1] - centre[1]), BODY, EDGE);
