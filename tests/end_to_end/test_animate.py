@@ -156,11 +156,14 @@ def test_a_video(archive: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["a.avi"], "does not end in .gif, .mp4, .png"),
+        (["a.avi"], "the file must end in .gif, .mp4, .png, not in '.avi'"),
         (["a.png", "--trail", "bob.centre_of_mass"], "did you mean 'bob.center_of_mass'?"),
         (["a.png", "--colour", "stres"], "unknown colour 'stres', did you mean 'stress'?"),
         (["a.png", "--colour", "stress", "--flat"], "colours of beams are not drawn flat"),
-        (["no/such/folder/a.png", *SMALL, "--flat"], "cannot write no/such/folder/a.png: No such file or directory"),
+        (
+            ["no/such/folder/a.png", *SMALL, "--flat"],
+            "cannot write no/such/folder/a.png: No such file or directory",
+        ),
     ],
 )
 def test_what_cannot_be_animated_is_answered_in_one_line(

@@ -1,9 +1,7 @@
-"""What the README shows, tried: its model, its commands, its Python, and the script of the figures."""
+"""What the README shows, tried: its model, its commands, its Python."""
 
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -54,20 +52,6 @@ def test_results_in_python(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     time, *_ = capsys.readouterr().out.split()
     assert float(time) == 3
     assert fmbd.open_run(folder / "five_bar_4.vtkhdf").status == "complete"
-
-
-def test_figures_of_the_five_bar(folder: Path) -> None:
-    archive = folder / "short.vtkhdf"
-    fmbd.simulate(fmbd.load_model("models/five_bar.yaml", {"simulation.duration": 0.02}), archive)
-    script = ROOT / "postprocess" / "five_bar_figures.py"
-    subprocess.run([sys.executable, script, archive, "--folder", folder / "figures"], check=True)
-    pictures = sorted((folder / "figures").iterdir())
-    assert [picture.name for picture in pictures] == [
-        "five_bar_closure.png",
-        "five_bar_deflections.png",
-        "five_bar_joints.png",
-    ]
-    assert all(picture.stat().st_size > 10_000 for picture in pictures)
 
 
 def test_citation_and_changelog_know_the_version() -> None:

@@ -7,7 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fmbd.results.animation.look import Look, pixels
+from fmbd.results.animation.look import CLOCK, Look, pixels
 from fmbd.results.plots.figure import style
 from fmbd.results.plots.mechanism import INK, TRAIL, draw_pose, frame
 from fmbd.results.scene import Scene
@@ -24,6 +24,7 @@ class FlatStage:
         self.scene = scene
         width, height = pixels(scene, look)
         self.figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+        self.clock = CLOCK / height
         self.canvas = FigureCanvasAgg(self.figure)
 
     def __enter__(self) -> "FlatStage":
@@ -40,7 +41,7 @@ class FlatStage:
         """The picture at the k-th time, with what moves at other times as ghosts."""
         self.figure.clear()
         with style():
-            ax = self.figure.add_axes((0.0, 0.0, 1.0, 1.0))
+            ax = self.figure.add_axes((0.0, self.clock, 1.0, 1.0 - self.clock))
             frame(ax, self.scene)
             ax.set_axis_off()
             if trail is not None:

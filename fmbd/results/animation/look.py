@@ -12,6 +12,7 @@ from fmbd.results.scene import Scene
 LASTS = 6.0
 WIDTH = 800
 BORDER = 0.08
+CLOCK = 34  # pixels, below the mechanism
 #: What can colour beams, and its unit.
 COLOURS = {"stress": "Pa", "bending_moment": "N m", "shear_force": "N", "deflection": "m", "slope": "rad"}
 
@@ -63,8 +64,6 @@ def pixels(scene: Scene, look: Look) -> tuple[int, int]:
     else:
         left, right, bottom, top = scene.extent
         border = 2.0 * BORDER * scene.size
-        width, height = (
-            WIDTH,
-            round(WIDTH * float(np.clip((top - bottom + border) / (right - left + border), 0.4, 1.0))),
-        )
+        ratio = (top - bottom + border) / (right - left + border)
+        width, height = WIDTH, round(WIDTH * float(np.clip(ratio, 0.4, 1.0))) + CLOCK
     return width - width % 2, height - height % 2

@@ -56,7 +56,7 @@ def animate(
     """
     path, look = Path(path), look or Look()
     if path.suffix.lower() not in FORMATS:
-        raise ValueError(f"'{path}' does not end in {', '.join(FORMATS)}, which is what can be written")
+        raise ValueError(f"the file must end in {', '.join(FORMATS)}, not in '{path.suffix}'")
     if len(run.time) < 2:
         raise ValueError("there is nothing to animate: the run has fewer than two outputs")
     write = writer_for(path.suffix.lower())

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from vtkmodules.vtkCommonCore import vtkLogger
 
 from fmbd.model import Beam, Model
-from fmbd.results.animation.look import BORDER, COLOURS, Look, pixels
+from fmbd.results.animation.look import BORDER, CLOCK, COLOURS, Look, pixels
 from fmbd.results.animation.solids import heights, layers, moved, solid, tube
 from fmbd.results.plots.charts import scaled
 from fmbd.results.plots.mechanism import BEAM, INK, MOTOR, SPRING, TRAIL
@@ -141,7 +141,7 @@ class SolidStage:
         direction = np.array(VIEWS[self.look.camera])
         camera = self.plotter.camera
         camera.parallel_projection = True
-        share = BAR_SHARE if self.values else 0.0
+        share = BAR_SHARE if self.values else CLOCK / height
         half = 0.5 * max((top - bottom + border) / (1.0 - share), (right - left + border) * height / width)
         centre = np.array([0.5 * (left + right), 0.5 * (bottom + top) - share * half, 0.0])
         camera.parallel_scale = half

@@ -91,10 +91,12 @@ def draw(chart: Chart, width: float = WIDTH) -> Figure:
         return figure
 
 
-def save(figure: Figure, file: str | Path | BinaryIO, suffix: str) -> None:
-    """Write a figure in the format of a suffix, the same bytes for the same figure."""
+def save(figure: Figure, file: str | Path | BinaryIO, suffix: str = "") -> None:
+    """Write a figure in the format of a suffix (default: the file's), the same bytes for the same figure."""
+    suffix = suffix or Path(str(file)).suffix.lower()
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with style():
+        figure.draw_without_rendering()  # a first layout may change the ticks, the second fits them
         figure.savefig(file, format=suffix[1:], metadata=undated.get(suffix))
 
 

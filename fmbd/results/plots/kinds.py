@@ -22,6 +22,7 @@ Row = tuple[Panel, ...]
 #: Times at which the shapes of beams are shown.
 INSTANTS = 9
 STATIONS = 60
+MOST_BEAMS = 8
 
 
 def joints(run: "Run") -> Sequence[Row]:
@@ -104,16 +105,23 @@ def reactions(run: "Run") -> Sequence[Row]:
 
 
 def shapes(run: "Run") -> Sequence[Row]:
-    """Deflection along each beam at times from start to end."""
+    """Deflection along each beam at times from start to end; of many beams those that bend most."""
     rows = np.unique(np.linspace(0, len(run.time) - 1, INSTANTS).round().astype(int))
     found = []
     for name, beam in _beams(run):
         x = np.linspace(0.0, beam.length, STATIONS)
-        shapes = run.system.beams[run.system.lowered.body_index[name]]
-        deflection = run.motion.elastic(name)[rows] @ shapes.shape(x).T
-        curves = [Curve(f"{run.time[k]:.4g} s", x, w) for k, w in zip(rows, deflection)]
-        found.append((Panel("deflection", "m", tuple(curves), title=name, together="family"),))
-    return found
+        shape = run.system.beams[run.system.lowered.body_index[name]].shape(x)
+        found.append((name, x, run.motion.elastic(name)[rows] @ shape.T))
+    least = sorted((np.abs(deflection).max() for *_, deflection in found), reverse=True)[:MOST_BEAMS]
+    return [
+        (Panel("deflection", "m", _instants(run.time[rows], x, deflection), title=name, together="family"),)
+        for name, x, deflection in found
+        if np.abs(deflection).max() >= least[-1]
+    ][:MOST_BEAMS]
+
+
+def _instants(time: Array, x: Array, deflection: Array) -> tuple[Curve, ...]:
+    return tuple(Curve(f"{t:.4g} s", x, w) for t, w in zip(time, deflection))
 
 
 def _beams(run: "Run") -> list[tuple[str, Beam]]:

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+#: Panels that a comparison may have, one above the other.
+MOST_COMPARED = 24
+
 
 def charts_of(run: "Run", names: Sequence[str]) -> list[Chart]:
     """A chart for each kind that is named, and one for all quantities.
@@ -90,8 +93,14 @@ def within(chart: Chart, start: float, end: float) -> Chart:
 
 
 def compared(charts: Mapping[str, Chart]) -> Chart:
-    """The same chart of several runs, by label: a panel for each curve, with the curve of every run in it."""
+    """The same chart of several runs, by label: a panel for each curve, with the curve of every run in it.
+
+    Raises ValueError for more panels than fit a page.
+    """
     first, *_ = charts.values()
+    count = sum(len(row[0].curves) for row in first.rows)
+    if count > MOST_COMPARED:
+        raise ValueError(f"{count} curves are too many to compare: name up to {MOST_COMPARED} quantities")
     rows = []
     for i, row in enumerate(first.rows):
         for k in range(len(row[0].curves)):

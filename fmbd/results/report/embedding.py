@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from fmbd.results.run import Run
 
 #: Bytes of the mechanism's frames, and frames at most; bytes of all plots.
-SCENE_BYTES = 1_200_000
+SCENE_BYTES = 1_600_000
 FRAMES = 600
-PLOT_BYTES = 2_000_000
+PLOT_BYTES = 1_600_000
 
 
 class Arrays:
@@ -37,8 +37,8 @@ class Arrays:
 
 def embedded_scene(run: "Run", arrays: Arrays) -> dict[str, Any]:
     """The mechanism at some hundred output times; items that stand still have one frame."""
-    first = scene(run, [0])
-    numbers = 2 * (sum(item.points.shape[1] + 2 for item in first.items) + 2 * len(run.model.joints))
+    ends = scene(run, spread(len(run.time), 2))
+    numbers = 2 * (sum(item.points.shape[1] + 2 for item in ends.items) + len(ends.tracks))
     frames = int(np.clip(SCENE_BYTES / (4 * numbers), 2, FRAMES))
     shown = scene(run, spread(len(run.time), frames))
     return {

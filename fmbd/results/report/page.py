@@ -19,10 +19,10 @@ SCRIPTS = ("data.js", "plot.js", "player.js", "page.js")
 def report(run: "Run") -> str:
     """A page of HTML about a run: the moving mechanism, plots, the model, warnings, provenance.
 
-    It holds all its data and works from a file, without a network. Raises ValueError for a run without outputs.
+    It holds all its data and works from a file, without a network. Raises ValueError for a run without two outputs.
     """
-    if not len(run.time):
-        raise ValueError("there is nothing to report: the run has no output yet")
+    if len(run.time) < 2:
+        raise ValueError("there is nothing to report: the run has fewer than two outputs")
     charts = [found for kind in KINDS if (found := chart(run, kind)).rows]
     warnings = "".join(f"<li>{escape(text)}</li>" for text in facts.warnings(run))
     status = "complete" if run.status == "complete" else "incomplete"
