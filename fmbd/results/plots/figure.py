@@ -42,6 +42,7 @@ STYLE: Any = {
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "savefig.dpi": 300,
+    "pdf.fonttype": 42,  # outlines that journals accept
     "svg.hashsalt": "fmbd",
 }
 # Okabe and Ito's without yellow and black: colour-blind readers and grey prints tell them apart.
