@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from fmbd.errors import AnalysisError, ModelError, UnknownQuantity
     from fmbd.model import Model, load_model
     from fmbd.model.schema import json_schema
+    from fmbd.results.animation.movie import animate
     from fmbd.results.archive import ArchiveError
+    from fmbd.results.plots.plot import figures
+    from fmbd.results.report.page import report
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
     from fmbd.studies.refine import refine
@@ -40,14 +43,17 @@ __all__ = [
     "System",
     "UnknownQuantity",
     "__version__",
+    "animate",
     "assemble",
     "equilibrium",
+    "figures",
     "json_schema",
     "linearize",
     "load_model",
     "modes",
     "open_run",
     "refine",
+    "report",
     "simulate",
     "verify",
 ]
@@ -64,14 +70,17 @@ _HOMES = {
     "Study": "fmbd.studies.study",
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
+    "animate": "fmbd.results.animation.movie",
     "assemble": "fmbd.system",
     "equilibrium": "fmbd.analyses.statics",
+    "figures": "fmbd.results.plots.plot",
     "json_schema": "fmbd.model.schema",
     "linearize": "fmbd.analyses.state_space",
     "load_model": "fmbd.model",
     "modes": "fmbd.analyses.vibrations",
     "open_run": "fmbd.results.run",
     "refine": "fmbd.studies.refine",
+    "report": "fmbd.results.report.page",
     "simulate": "fmbd.results.simulate",
     "verify": "fmbd.studies.verify",
 }

@@ -9,30 +9,13 @@ Figure 6: error of the loop closure, equation (22) of the paper.
 import argparse
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
 import fmbd
+from fmbd.results.plots.figure import COLOURS, WIDTH, save, style
 
-WIDTH = 6.7  # inches, two columns of a journal
-STYLE = {
-    "font.family": "serif",
-    "font.serif": ["STIXGeneral"],
-    "mathtext.fontset": "stix",
-    "font.size": 9,
-    "axes.grid": True,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.xmargin": 0.0,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.5,
-    "legend.frameon": False,
-    "lines.linewidth": 0.9,
-    "savefig.dpi": 300,
-}
-# of Okabe and Ito: colour-blind readers and grey prints tell them apart
-ARMS = {"right": "#0072B2", "left": "#E69F00"}
+ARMS = dict(zip(("right", "left"), COLOURS))
 JOINTS = {
     "motor_{}.rotor": (r"$\varphi$", r"$\dot\varphi$"),
     "shoulder_{}.angle": (r"$\theta_1$", r"$\dot\theta_1$"),
@@ -99,10 +82,10 @@ def main() -> None:
     options = parser.parse_args()
     run = fmbd.open_run(options.archive)
     options.folder.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(STYLE):
+    with style():
         for name, draw in {"joints": joints, "deflections": deflections, "closure": closure}.items():
             path = options.folder / f"five_bar_{name}.{options.format}"
-            draw(run).savefig(path)
+            save(draw(run), path)
             print(path)
 
 

@@ -7,11 +7,41 @@ import sys
 from collections.abc import Sequence
 
 from fmbd import __version__
-from fmbd.cli import check, export, info, linearize, matrices, modes, refine, run, schema, statics, verify
+from fmbd.cli import (
+    animate,
+    check,
+    export,
+    info,
+    linearize,
+    matrices,
+    modes,
+    plot,
+    refine,
+    report,
+    run,
+    schema,
+    statics,
+    verify,
+)
 from fmbd.cli.common import BAD_INPUT, INTERRUPTED, STOPPED
 from fmbd.errors import AnalysisError, ModelError, UnknownQuantity
 
-COMMANDS = (check, run, info, export, statics, modes, linearize, refine, verify, matrices, schema)
+COMMANDS = (
+    check,
+    run,
+    info,
+    export,
+    plot,
+    report,
+    animate,
+    statics,
+    modes,
+    linearize,
+    refine,
+    verify,
+    matrices,
+    schema,
+)
 PIPE_CLOSED = 141
 
 EPILOG = """\
@@ -22,6 +52,9 @@ exit codes: 0 done, 1 a run stopped before its end (its archive is kept), an ana
   fmbd run models/five_bar.yaml                          simulate it; the results are in five-bar.vtkhdf
   fmbd refine models/five_bar.yaml --over bodies.*.elements=1,2,4,8 --quantity rod_right.end.deflection
   fmbd export five-bar.vtkhdf tip.csv --quantities rod_right.end.position
+  fmbd plot five-bar.vtkhdf                              figures: joints, beams, constraints
+  fmbd report five-bar.vtkhdf                            a page for the browser, with the mechanism in motion
+  fmbd animate five-bar.vtkhdf five-bar.gif              the mechanism in motion
 """
 
 

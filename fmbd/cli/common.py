@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, SupportsFloat
@@ -120,20 +120,6 @@ def shown(names: Iterable[str], most: int = 8) -> str:
     names = list(names)
     left_out = f" and {len(names) - most} more" if len(names) > most else ""
     return (", ".join(names[:most]) or "none") + left_out
-
-
-def course(statistics: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """How a run went, from the statistics that it leaves when it ends."""
-    s = statistics
-    if not s:
-        return []
-    return [
-        ("steps", f"{s['steps']}, and {s['rejected_steps']} rejected; {s['evaluations']} evaluations"),
-        ("time", f"{s['wall_time']:.3g} s on the clock, {s['cpu_time']:.3g} s of CPU"),
-        ("constraint error", f"at most {s['largest_constraint_error']:.1e}"),
-        ("energy balance", f"within {s['largest_energy_balance']:.1e} J"),
-        *(("remark", remark) for remark in s["remarks"].splitlines()),
-    ]
 
 
 @contextmanager

@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from fmbd.cli.common import DONE, columns, course, facts, show, shown
+from fmbd.cli.common import DONE, columns, facts, show, shown
+from fmbd.results.course import course
 
 
 def add(commands: Any) -> None:

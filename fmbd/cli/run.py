@@ -15,12 +15,12 @@ from fmbd.cli.common import (
     STOPPED,
     add_model,
     compiling_announced,
-    course,
     facts,
     read_model,
     show,
     terminal,
 )
+from fmbd.results.course import course
 
 if TYPE_CHECKING:
     from fmbd.model import Model
@@ -130,6 +130,8 @@ def _summarise(run: "Run", output: Path) -> None:
         *course(run.statistics),
         ("archive", f"{output} ({size:.3g} MB); ParaView plays it"),
         ("next", f"fmbd info {output}"),
+        ("", f"fmbd report {output}"),
+        ("", f"fmbd plot {output}"),
         ("", f"fmbd export {output} {output.with_suffix('.csv')}"),
     ]
     show(facts(rows))

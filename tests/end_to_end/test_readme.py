@@ -1,4 +1,4 @@
-"""What the README shows, tried: its model, its commands, its Python, and the script of the figures."""
+"""What the README shows, tried: its model, its commands, its Python."""
 
 import re
 import shlex
@@ -67,20 +67,6 @@ def test_analyses(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     namespace: dict[str, object] = {"fmbd": fmbd, "model": fmbd.load_model("models/five_bar.yaml")}
     exec(block("python", "fmbd.equilibrium"), namespace)
     assert capsys.readouterr().out.startswith("stable -0.00098")
-
-
-def test_figures_of_the_five_bar(folder: Path) -> None:
-    archive = folder / "short.vtkhdf"
-    fmbd.simulate(fmbd.load_model("models/five_bar.yaml", {"simulation.duration": 0.02}), archive)
-    script = ROOT / "postprocess" / "five_bar_figures.py"
-    subprocess.run([sys.executable, script, archive, "--folder", folder / "figures"], check=True)
-    pictures = sorted((folder / "figures").iterdir())
-    assert [picture.name for picture in pictures] == [
-        "five_bar_closure.png",
-        "five_bar_deflections.png",
-        "five_bar_joints.png",
-    ]
-    assert all(picture.stat().st_size > 10_000 for picture in pictures)
 
 
 def test_study_of_the_elements_of_the_five_bar(folder: Path) -> None:

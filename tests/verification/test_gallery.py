@@ -11,12 +11,15 @@ FILES = sorted(set(MODELS.rglob("*.yaml")) - set(MODELS.rglob("*.case.yaml")))
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_model_is_exemplary(path):
-    """Its first line names the schema for editors; it says what it is, and the gallery lists it."""
+    """Its first line names the schema for editors; it says what it is, and the gallery shows it."""
     text = path.read_text()
     _, schema = text.splitlines()[0].split("$schema=")
     assert (path.parent / schema).resolve() == MODELS / "fmbd.schema.json"
     assert fmbd.load_model(path).description
-    assert f"({path.relative_to(MODELS)})" in (MODELS / "README.md").read_text()
+    gallery = (MODELS / "README.md").read_text()
+    assert f"({path.relative_to(MODELS)})" in gallery
+    assert f'src="pictures/{path.stem}.png"' in gallery
+    assert (MODELS / "pictures" / f"{path.stem}.png").is_file(), "draw it: postprocess/gallery.py"
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

@@ -1,0 +1,1 @@
+"""Moving pictures of a run, drawn off-screen."""

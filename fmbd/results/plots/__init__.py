@@ -1,0 +1,1 @@
+"""Figures of runs: what they show (charts), and how Matplotlib draws it."""

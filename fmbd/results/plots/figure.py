@@ -1,0 +1,192 @@
+"""Draw charts by Matplotlib, as a journal prints them. No display is needed."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from textwrap import fill
+from typing import Any, BinaryIO
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import NullFormatter
+
+from fmbd.results.plots.charts import Chart, Panel, scale_of
+
+WIDTH = 6.7  # inches, two columns of a journal
+ROW = 1.45  # inches, height of a panel
+LINE = 0.16  # inches, of a legend
+
+STYLE: Any = {
+    "font.family": "serif",
+    "font.serif": ["STIXGeneral", "DejaVu Serif"],
+    "mathtext.fontset": "stix",
+    "font.size": 9,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "axes.grid": True,
+    "axes.linewidth": 0.6,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.xmargin": 0.0,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.5,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "lines.linewidth": 0.9,
+    "lines.solid_joinstyle": "round",
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "savefig.dpi": 300,
+    "pdf.fonttype": 42,  # outlines that journals accept
+    "svg.hashsalt": "fmbd",
+}
+# Okabe and Ito's without yellow and black: colour-blind readers and grey prints tell them apart.
+COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9")
+DASHES = ("-", (0, (5, 2)), (0, (1, 1.5)))
+#: More curves than this are drawn as a family, in the order of a map of colours, and only some are named.
+TOLD_APART = len(COLOURS) * len(DASHES)
+NAMED = 9
+AXIS_LINE = 20  # characters beside a panel
+NO_BREAK = "\u00a0"
+SPACING: Any = {"handlelength": 1.6, "columnspacing": 1.2}
+CHARACTER = 0.062  # inches, in a legend
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """The look of all figures."""
+    with mpl.rc_context(STYLE):
+        yield
+
+
+def draw(chart: Chart, width: float = WIDTH) -> Figure:
+    """A figure of a chart, `width` inches wide."""
+    with style():
+        columns = max(len(row) for row in chart.rows)
+        common = _have_one_legend(chart)
+        lines = [
+            0 if common else max(_legend_lines(panel, width / columns) for panel in row) for row in chart.rows
+        ]
+        heights = [ROW + LINE * count for count in lines]
+        figure = Figure(figsize=(width, sum(heights) + 0.5), layout=ConstrainedLayoutEngine(h_pad=0.07))
+        axes = figure.subplots(
+            len(chart.rows), columns, sharex=True, squeeze=False, gridspec_kw={"height_ratios": heights}
+        )
+        for row, panels in zip(axes, chart.rows):
+            for ax, panel in zip(row, panels):
+                _draw_panel(ax, panel)
+                if not common and (panel is panels[0] or _labels(panel) != _labels(panels[0])):
+                    _name_curves(ax, panel, width / columns)
+            for ax in row[len(panels) :]:
+                ax.remove()
+        for ax in axes[-1]:
+            ax.set_xlabel(f"{chart.across[0]} [{chart.across[1]}]")
+        if common:
+            _name_all(figure, chart, width)
+        figure.align_ylabels()
+        return figure
+
+
+def save(figure: Figure, file: str | Path | BinaryIO, suffix: str = "") -> None:
+    """Write a figure in the format of a suffix (default: the file's), the same bytes for the same figure."""
+    suffix = suffix or Path(str(file)).suffix.lower()
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with style():
+        figure.draw_without_rendering()  # a first layout may change the ticks, the second fits them
+        figure.savefig(file, format=suffix[1:], metadata=undated.get(suffix))
+
+
+def _draw_panel(ax: Axes, panel: Panel) -> None:
+    factor, unit = scale_of(panel)
+    for k, curve in enumerate(panel.curves):
+        y = np.abs(curve.y) if panel.logarithmic else curve.y * factor
+        ax.plot(curve.x, np.where(y > 0.0, y, np.nan) if panel.logarithmic else y, **_look(panel, k))
+    if panel.logarithmic and any(curve.y.any() for curve in panel.curves):
+        _whole_decades(ax)
+    ax.set_ylabel(fill(f"{panel.quantity} [{unit.replace(' ', NO_BREAK)}]", AXIS_LINE))
+    ax.set_title(panel.title)
+
+
+def _whole_decades(ax: Axes) -> None:
+    """A logarithmic axis between powers of ten, the only ones that are named."""
+    ax.set_yscale("log")
+    low, high = np.log10(ax.dataLim.intervaly)
+    ax.set_ylim(10.0 ** np.floor(low), 10.0 ** max(np.ceil(high), np.floor(low) + 1.0))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _look(panel: Panel, k: int) -> dict[str, Any]:
+    """Colour and dashes of a curve."""
+    if _is_family(panel):
+        return {"color": mpl.colormaps["viridis"](0.9 * k / max(1, len(panel.curves) - 1))}
+    look: dict[str, Any] = {
+        "color": COLOURS[k % len(COLOURS)],
+        "linestyle": DASHES[k // len(COLOURS) % len(DASHES)],
+    }
+    if panel.together == "same" and k == 0:
+        look |= {"linewidth": 2.4, "alpha": 0.5}  # still seen below others that are equal
+    return look
+
+
+def _is_family(panel: Panel) -> bool:
+    return panel.together == "family" or len(panel.curves) > TOLD_APART
+
+
+def _labels(panel: Panel) -> list[str]:
+    return [curve.label for curve in panel.curves]
+
+
+def _named(panel: Panel) -> list[int]:
+    """The curves that a legend names."""
+    count = len(panel.curves)
+    if not _is_family(panel):
+        return [] if _labels(panel) == [panel.quantity] else list(range(count))
+    return sorted({round(k) for k in np.linspace(0, count - 1, NAMED)})
+
+
+def _have_one_legend(chart: Chart) -> bool:
+    """Whether one legend above all panels says it."""
+    labels = [_labels(panel) for panel in chart.panels]
+    return any(panel.title for panel in chart.panels) or (
+        len(labels) > 1 and all(own == labels[0] for own in labels)
+    )
+
+
+def _legend_columns(panel: Panel, width: float) -> int:
+    count = len(_named(panel))
+    longest = max((len(panel.curves[k].label) for k in _named(panel)), default=1)
+    fit = max(1, int((width - 0.7) / (CHARACTER * longest + 0.42)))
+    lines = max(1, -(-count // fit))
+    return max(1, -(-count // lines))
+
+
+def _legend_lines(panel: Panel, width: float) -> int:
+    return -(-len(_named(panel)) // _legend_columns(panel, width))
+
+
+def _name_curves(ax: Axes, panel: Panel, width: float) -> None:
+    """A legend above a panel."""
+    if _named(panel):
+        lines = [ax.lines[k] for k in _named(panel)]
+        place: Any = {"loc": "lower left", "bbox_to_anchor": (-0.01, 1.0), "borderaxespad": 0.1}
+        ax.legend(
+            lines,
+            [panel.curves[k].label for k in _named(panel)],
+            ncols=_legend_columns(panel, width),
+            **SPACING,
+            **place,
+        )
+
+
+def _name_all(figure: Figure, chart: Chart, width: float) -> None:
+    """One legend above all panels."""
+    panel = max(chart.panels, key=lambda panel: len(panel.curves))
+    source = figure.axes[chart.panels.index(panel)]
+    lines = [source.lines[k] for k in _named(panel)]
+    labels = [panel.curves[k].label for k in _named(panel)]
+    figure.legend(lines, labels, loc="outside upper center", ncols=_legend_columns(panel, width), **SPACING)

@@ -1,0 +1,1 @@
+"""One page of HTML about a run that needs nothing else: no network, no server, no other file."""
