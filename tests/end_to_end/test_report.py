@@ -125,7 +125,7 @@ def said(page: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     options = ("--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}")
     size = ("--window-size=1200,900", "--virtual-time-budget=10000")
     done = subprocess.run(
-        [BROWSER, *options, *size, "--dump-dom", path.as_uri()], capture_output=True, text=True, timeout=120
+        [BROWSER, *options, *size, "--dump-dom", path.as_uri()], capture_output=True, text=True, timeout=300
     )
     found = re.search(r'<pre class="" id="said">(.*?)</pre>', done.stdout)
     assert found, done.stderr[-2000:]
