@@ -31,7 +31,7 @@ def natural_frequencies(system: System, q: Array | None = None, t: float = 0.0) 
     """Natural frequencies [Hz], ascending, shape (degrees of freedom,).
 
     q: nodal coordinates (nq,), default: the start. Motions that no spring opposes have the frequency 0.
-    Raises numpy.linalg.LinAlgError if a coordinate moves no mass.
+    Raises AnalysisError if a coordinate moves no mass.
     """
     q = system.start.q if q is None else np.asarray(q, float)
     motions = allowed_motions(system, q, t)

@@ -47,10 +47,7 @@ class Linearisation:
         self.state = q, v, z
         self.basis = to_nodal_basis(system)
         self._modal = system.to_modal(q), system.to_modal(v), np.asarray(z, float)
-        try:
-            self.motions = allowed_motions(system, q, arrangement.t, arrangement.held)
-        except np.linalg.LinAlgError:
-            raise AnalysisError("a coordinate moves no mass (`fmbd check` lists the bodies)") from None
+        self.motions = allowed_motions(system, q, arrangement.t, arrangement.held)
         self.freedom = self.motions.N.shape[1]
         self.states = arrangement.states
         self.size = 2 * self.freedom + len(self.states)

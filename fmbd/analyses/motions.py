@@ -11,6 +11,7 @@ import numpy as np
 
 from fmbd.analyses.jacobians import pathway_rows
 from fmbd.analyses.structure import independent_rows
+from fmbd.errors import AnalysisError
 from fmbd.system import System
 
 Array = np.ndarray
@@ -45,7 +46,7 @@ def to_nodal_basis(system: System) -> Array:
 def allowed_motions(system: System, q: Array, t: float, held: Array | None = None) -> Motions:
     """Motions at nodal coordinates q (nq,) with the pathways numbered in `held` at rest, too.
 
-    Raises numpy.linalg.LinAlgError if a coordinate moves no mass.
+    Raises AnalysisError if a coordinate moves no mass.
     """
     basis = to_nodal_basis(system)
     bodies, _ = system.reference.frames(q, t)
@@ -53,7 +54,13 @@ def allowed_motions(system: System, q: Array, t: float, held: Array | None = Non
     paths = system.planar.constraints["pathway"]
     paths = paths if held is None else np.concatenate([paths, held])
     rows = pathway_rows(system, q, t)[paths] @ basis
-    L = np.linalg.cholesky(M)
+    try:
+        L = np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        raise AnalysisError(
+            "the mass matrix is singular here: a coordinate moves no mass (`fmbd check` lists the bodies), "
+            "or a beam with foreshortening bends too far"
+        ) from None
     A = np.linalg.solve(L, rows.T)
     kept = independent_rows(A.T)
     QR = np.linalg.solve(L.T, np.linalg.qr(A[:, kept], mode="complete")[0])

@@ -125,7 +125,8 @@ def _unit_load(lin: Linearisation, array: str, index: int, field: str) -> Array:
         return apply_loads(planar, system.reference, bodies, stations, x, np.eye(2)[:, :1])[:-1]
     stretches = system.reference.stretches
     own = slice(index, index + 1)
-    part = type(stretches)(stretches.total[own], stretches.first[own], stretches.shape[own])
+    bent = [(0, elastic, H) for k, elastic, H in stretches.bent if k == index]
+    part = type(stretches)(stretches.total[own], stretches.first[own], stretches.shape[own], bent)
     sums = part.sums(bodies[load["body"]], x)[0]
     direction = np.array([1.0, 0.0] if field == "fx" else [0.0, 1.0])
     if load["following"][0]:

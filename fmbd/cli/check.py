@@ -174,9 +174,8 @@ def _remarks(system: "System") -> Iterator[tuple[str, str]]:
 
 def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     """Natural frequencies of the mechanism at the start, and the steps they ask for."""
-    from numpy.linalg import LinAlgError
-
     from fmbd.analyses import longest_step, natural_frequencies
+    from fmbd.errors import AnalysisError
     from fmbd.solvers.methods import explicit_tableau
 
     label = "frequencies"
@@ -185,7 +184,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
         return
     try:
         found = natural_frequencies(system)
-    except LinAlgError:
+    except AnalysisError:
         yield label, "none: a coordinate moves no mass"
         return
     some = found[found > 0.0]
@@ -209,7 +208,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
         count = float(f"{simulation.duration / step:.2g}")
         automatic = simulation.method == "auto"
         explicit = "dop853" if automatic else simulation.method
-        instead = "; auto tries radau" if automatic else ""
+        instead = "; auto tries rodas5p" if automatic else ""
         yield (
             "steps",
             f"the fastest mode keeps {explicit} below {step:.1e} s: {count:,.0f} steps or more{instead}",

@@ -163,7 +163,4 @@ class Motion:
     @cached_property
     def _signals(self) -> Array:
         """Value and two derivatives of every signal, shape (nt, signals, 3)."""
-        values = np.empty((len(self.time), self.system.planar.signals.size, 3))
-        for k, t in enumerate(self.time):
-            values[k] = self.system.reference.signals(t)
-        return values
+        return np.stack([self.system.reference.signals(t) for t in self.time])

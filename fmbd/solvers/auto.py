@@ -1,8 +1,9 @@
-"""The method that suits the moment: `dop853` or `radau`, whichever covers more time with the same work. The default.
+"""The method that suits the moment: `dop853` or `rodas5p`, whichever covers more time with the same work. The default.
 
-Which one that is depends on the model, the tolerance and what is ringing, so it is tried: the explicit method begins,
-in a long run the implicit one gets a trial, the better goes on, and the other is tried again now and then. Work is
-counted in evaluations of the equations, not in seconds, so that the same model always takes the same steps.
+`radau` would often be faster than `rodas5p`, but takes minutes to compile. Which of the two is better depends on the
+model, the tolerance and what is ringing, so it is tried: the explicit method begins, in a long run the implicit one
+gets a trial, the better goes on, and the other is tried again now and then. Work is counted in evaluations of the
+equations, not in seconds, so that the same model always takes the same steps.
 """
 
 import math
@@ -27,13 +28,14 @@ from fmbd.system import System
 
 Array = np.ndarray
 
-EXPLICIT, IMPLICIT = "dop853", "radau"
+EXPLICIT, IMPLICIT = "dop853", "rodas5p"
 #: Tried steps of a trial; after how many such spells the other method gets one again, at first and at most.
 SPELL = 100
 PATIENCE = (4, 64)
-#: What an evaluation, a projection and a factorisation cost, in evaluations. Those of radau count its
-#: back-substitutions, real and complex, with the evaluations.
-COST = {EXPLICIT: (1.0, 2.0, 0.0), IMPLICIT: (2.2, 2.0, 3.0)}
+#: What an evaluation, a projection, and a factorisation with its eight back-substitutions cost, in evaluations.
+COST = (1.0, 2.0, 12.0)
+#: Below this relative tolerance a method of order 5 has no chance.
+TIGHT = 1e-9
 #: A run of fewer steps to come is over before a trial pays (the trial may have to compile the method).
 LONG = 5000
 
@@ -59,7 +61,7 @@ class _Choice:
             int(mem.counters[k]) for k in (EVALUATIONS, PROJECTIONS, FACTORISATIONS, ACCEPTED)
         )
         *spent, steps = (now - then for now, then in zip(self.counts, counts, strict=True))
-        work = sum(price * number for price, number in zip(COST[self.current], spent, strict=True))
+        work = sum(price * number for price, number in zip(COST, spent, strict=True))
         return self.time - time, work, steps
 
     def next(self, mem: Memory) -> str:
@@ -68,31 +70,37 @@ class _Choice:
         covered, spent, taken = self.mark(mem)
         if covered <= 0.0 or spent <= 0.0:
             return current
-        self.covered[current] = self.covered.get(current, 0.0) + covered
         self.price[current] = spent / covered
         self.spells += 1
         other = IMPLICIT if current == EXPLICIT else EXPLICIT
         if other in self.price and self.price[other] < 0.8 * self.price[current]:
             if self.spells == 1:
-                # a trial has failed: leave the other one in peace for longer
-                self.patience = min(2 * self.patience, PATIENCE[1])
+                self.be_patient()
             self.spells = 0
+            if current == EXPLICIT:  # else its spell is taken back
+                self.covered[current] = self.covered.get(current, 0.0) + covered
             return other
+        self.covered[current] = self.covered.get(current, 0.0) + covered
         long = (self.end - self.time) * taken > LONG * covered
         if current == EXPLICIT and long and (other not in self.price or self.spells >= self.patience):
             self.spells = 0
             return other
         return current
 
+    def be_patient(self) -> None:
+        """A trial has failed: leave the other method in peace for longer."""
+        self.patience = min(2 * self.patience, PATIENCE[1])
+
     def describe(self, now: float) -> str:
         """What was picked, and why."""
-        if self.price.get(IMPLICIT, math.inf) == math.inf:
-            return EXPLICIT
         shares = self.covered | {self.current: self.covered.get(self.current, 0.0) + now - self.time}
+        if shares.get(IMPLICIT, 0.0) == 0.0 and self.price.get(IMPLICIT, math.inf) == math.inf:
+            return EXPLICIT
         most = max(shares, key=lambda name: shares[name])
         less = IMPLICIT if most == EXPLICIT else EXPLICIT
-        ratio = self.price[less] / self.price[most]
-        return f"{most} for {shares[most] / now:.0%} of the time ({less}: {ratio:.2g} times the work)"
+        text = f"{most} for {shares[most] / now:.0%} of the time"
+        ratio = self.price.get(less, math.inf) / self.price.get(most, math.inf)
+        return f"{text} ({less}: {ratio:.2g} times the work)" if 0.0 < ratio < math.inf else text
 
 
 def start_auto(system: System, y0: Array, breaks: Array, options: Options) -> Stepper:
@@ -106,7 +114,12 @@ def start_auto(system: System, y0: Array, breaks: Array, options: Options) -> St
         return int(mem.counters[ACCEPTED] + mem.counters[REJECTED])
 
     def take_back(before: tuple[int, Array, Array, Array]) -> int:
+        counts = mem.counters.copy()
         filled, mem.y[:], mem.clock[:], mem.counters[:] = before
+        # the work was done, its steps are rejected
+        for k in (EVALUATIONS, PROJECTIONS, FACTORISATIONS):
+            mem.counters[k] = counts[k]
+        mem.counters[REJECTED] = counts[REJECTED] + counts[ACCEPTED] - mem.counters[ACCEPTED]
         mem.counters[FRESH] = 1
         choice.mark(mem)
         return filled
@@ -126,12 +139,15 @@ def start_auto(system: System, y0: Array, breaks: Array, options: Options) -> St
                 # what stops it, a singular position for one, need not stop the other, from further back
                 choice.price[IMPLICIT] = math.inf
                 choice.current = EXPLICIT
+                choice.be_patient()
                 filled = take_back(before)
+                if tried() >= last:
+                    return filled, RUNNING
                 continue
             # between two spells all output times that were passed are written
             if status != RUNNING or filled == times.size or tried() >= last:
                 return filled, status
-            chosen = choice.next(mem)
+            chosen = choice.next(mem) if options.rtol >= TIGHT else EXPLICIT
             if chosen != choice.current:
                 if chosen == EXPLICIT:
                     # a spell that has cost too much is not kept: it may have crept up to a singular position

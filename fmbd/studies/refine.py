@@ -12,6 +12,7 @@ from typing import Any
 
 from fmbd.errors import ModelError, UnknownQuantity
 from fmbd.model import Model, load_model
+from fmbd.solvers.auto import TIGHT
 from fmbd.studies.measure import COMPLETE, Measured, columns_of, measure
 from fmbd.studies.pool import Report, side_by_side
 from fmbd.studies.study import Axis, Member, Study, finest
@@ -124,7 +125,11 @@ def tightened(model: Model) -> dict[str, Any]:
     if simulation.method == "generalized_alpha" and step is not None:
         return {"simulation.generalized_alpha.step": SHORTER * step}
     rtol, atol = (float(f"{max(TIGHTER * x, _TIGHTEST):.6g}") for x in (simulation.rtol, simulation.atol))
-    return {"simulation.rtol": rtol, "simulation.atol": atol}
+    tighter = {"simulation.rtol": rtol, "simulation.atol": atol}
+    if simulation.method == "auto" and rtol < TIGHT <= simulation.rtol:
+        # auto would be explicit there, also where beams are stiff
+        return {"simulation.method": "radau"} | tighter
+    return tighter
 
 
 def _comparable(models: Sequence[Model], names: Sequence[str], analysis: str) -> None:

@@ -98,18 +98,31 @@ def _name_bodies(out: Lowered) -> None:
 
 def _check_start(out: Lowered, link: Link, beam: FloatingBeam) -> None:
     """Refuse a frame that a cross-section without inertia turns freely: inertia to second order loses it."""
-    held = out.model.joints[str(link.joint)]
     body, point = out.inner_point(link)
-    fixed = out.model.bodies[body].points[point] == 0.0 and (
-        "angle" not in held.coordinates or "angle" in held.driven
-    )
     turning = beam.inertia - beam.p @ np.linalg.solve(beam.M, beam.p)
-    if not fixed and turning < 0.01 * beam.inertia:
+    if out.model.bodies[body].points[point] == 0.0:
+        turning += _inertia_before(out, link)
+    if turning < 0.01 * beam.inertia:
         raise out.model.error(
             ("bodies", link.name, "foreshortening"),
             "a beam whose start may turn by itself needs `frame: chord` for it: "
             "a clamped frame follows the cross-section at the start, which has no inertia",
         )
+
+
+def _inertia_before(out: Lowered, link: Link) -> float:
+    """Moment of inertia that turns with the inner side of the joint of a body: of what it is fixed to, rigid bodies."""
+    joint = out.model.joints[str(link.joint)]
+    if "angle" in joint.driven:
+        return np.inf
+    if "angle" in joint.coordinates:
+        return 0.0
+    if link.parent not in out.body_index:
+        return np.inf
+    parent = out.model.bodies[link.parent]
+    if isinstance(parent, Beam):
+        return 0.0
+    return float(parent.inertia) + _inertia_before(out, out.tree.links[out.body_index[link.parent]])
 
 
 def _modal_damping(damping: Any, omega2: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The scripts that researchers copy run as their heads say, and draw what they promise."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -68,6 +69,16 @@ def test_pictures_of_the_gallery(folder: Path) -> None:
         picture = folder / "pictures" / f"{model.stem}.png"
         assert_drawn(picture)
         assert picture.stat().st_size < 30_000
+
+
+def test_study_of_the_elements_of_the_five_bar(folder: Path) -> None:
+    """For a short move; the table of the README has the rows and columns that it prints."""
+    out = run(folder, "five_bar_refinement.py", "--folder", ".", "--duration", "0.02")
+    assert (folder / "five_bar_refinement.svg").stat().st_size > 10_000
+    readme = (ROOT / "README.md").read_text()
+    for line in out.splitlines():
+        if line.startswith("| "):
+            assert re.match(r"\|[^|]*\|[^|]*\|", line)[0] in readme
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)

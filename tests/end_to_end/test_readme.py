@@ -2,8 +2,6 @@
 
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -67,17 +65,6 @@ def test_analyses(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     namespace: dict[str, object] = {"fmbd": fmbd, "model": fmbd.load_model("models/five_bar.yaml")}
     exec(block("python", "fmbd.equilibrium"), namespace)
     assert capsys.readouterr().out.startswith("stable -0.00098")
-
-
-def test_study_of_the_elements_of_the_five_bar(folder: Path) -> None:
-    """Its script, for a short move; the table of the README has the rows and columns that it prints."""
-    script = ROOT / "postprocess" / "five_bar_refinement.py"
-    command = [sys.executable, script, "--folder", folder, "--duration", "0.02"]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
-    assert (folder / "five_bar_refinement.svg").stat().st_size > 10_000
-    for line in done.stdout.splitlines():
-        if line.startswith("| "):
-            assert re.match(r"\|[^|]*\|[^|]*\|", line)[0] in README
 
 
 def test_citation_and_changelog_know_the_version() -> None:

@@ -185,3 +185,33 @@ def test_a_clamped_frame_on_a_hinge_is_refused():
     """It would turn with a cross-section that has no inertia; the message says what to write instead."""
     with pytest.raises(ModelError, match=r"foreshortening.*frame: chord"):
         fmbd.assemble(load_model_text(STRING.replace("frame: chord", "frame: clamped").replace("FORCE", "0")))
+
+
+def test_a_hub_without_inertia_does_not_hold_a_clamped_frame():
+    """A weld to a body that may turn itself and weighs nothing: as a hinge; a heavy hub, or the ground, will do."""
+    text = SPINNING.replace(
+        "between: [ground.origin, arm.start], driven: SPEED*t", "between: [ground.origin, hub.origin]"
+    )
+    text = text.replace("joints:", "joints:\n  weld: {type: weld, between: [hub.origin, arm.start]}")
+    for inertia, fits in ((1e-5, False), (0.1, True)):
+        hub = f"bodies:\n  hub: {{type: rigid, mass: 0.1, inertia: {inertia}}}"
+        model = load_model_text(text.replace("bodies:", hub))
+        if fits:
+            fmbd.assemble(model)
+        else:
+            with pytest.raises(ModelError, match="frame: chord"):
+                fmbd.assemble(model)
+
+
+def test_the_gain_of_a_load_along_a_beam_that_sags():
+    """It bends what is bent: gain from `fmbd linearize` and slope of the equilibria."""
+    text = STRING.replace("FORCE", "0").replace("gravity: [0, 0]", "gravity: [0, -1]")
+
+    def model(force):
+        wind = f"loads:\n  wind: {{type: distributed, on: string, force: [{force}, 0]}}"
+        return load_model_text(text.replace("loads:", wind))
+
+    gain = fmbd.linearize(model(0), inputs=["wind.force.x"], outputs=["string.node8.deflection"]).gain()[0, 0]
+    ends = [fmbd.equilibrium(model(force))["string.node8.deflection"] for force in (-0.01, 0.01)]
+    assert_allclose(gain, (ends[1] - ends[0]) / 0.02, rtol=1e-4)
+    assert abs(gain) > 1e-3
