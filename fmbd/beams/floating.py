@@ -58,10 +58,16 @@ class FloatingBeam:
         """'w' [m] or 'slope' [rad] for each elastic coordinate."""
         return tuple("slope" if dof % 2 else "w" for dof in _kept(self.nodes, self.frame))
 
+    def coordinates(self, first_node: int = 0) -> list[tuple[str, str]]:
+        """(name, unit) of the elastic coordinates, such as ('w1', 'm'); `first_node` is the number of the first."""
+        units = {"w": "m", "slope": "rad"}
+        pairs = zip(self.dof_kinds, self.dof_nodes, strict=True)
+        return [(f"{kind}{first_node + node}", units[kind]) for kind, node in pairs]
+
     @property
     def dof_names(self) -> tuple[str, ...]:
         """Names of the elastic coordinates, such as ('w1', 'slope1', 'w2', 'slope2')."""
-        return tuple(f"{kind}{node}" for kind, node in zip(self.dof_kinds, self.dof_nodes, strict=True))
+        return tuple(name for name, _ in self.coordinates())
 
     def shape(self, x: ArrayLike) -> Array:
         """S at x [m]: shape (nf,) for a number, (points, nf) for an array. ValueError off the beam."""

@@ -49,7 +49,8 @@ class Beam:
 
     `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, start, end and
     node0 to nodeN included; `pieces` cover the length; mass and stiffness are polynomials within each.
-    `youngs_modulus` [Pa] is None when the bending stiffness was given as a number.
+    `youngs_modulus` [Pa] is None when the bending stiffness was given as a number. `segments` divides the number
+    of elements.
     """
 
     type: ClassVar[str] = "beam"
@@ -61,6 +62,7 @@ class Beam:
     damping: Damping
     pieces: tuple[BeamPiece, ...]
     youngs_modulus: float | None
+    segments: int = 1
 
 
 class BeamEntry(Part):
@@ -73,6 +75,8 @@ class BeamEntry(Part):
     """Number of equal finite elements."""
     nodes: tuple[Number, ...] | None = None
     """Positions of the nodes [m], from 0 to the length, instead of a number of elements."""
+    segments: Whole = 1
+    """Stretches of equally many elements, each with a floating frame of its own, for large deflections."""
     material: Annotated[Material, reference("materials", "material")] | None = None
     """Name of a material."""
     section: SectionLayout | None = None
@@ -82,7 +86,7 @@ class BeamEntry(Part):
     bending_stiffness: Positive | None = None
     """Bending stiffness E I [N m^2]."""
     frame: Literal["clamped", "chord"] = "clamped"
-    """Floating frame: tangent to the beam at its start, or through both ends."""
+    """Floating frame: tangent to the beam at its start, or through both ends. Deflections are measured from it."""
     points: dict[Name, NotNegative] = Field(default_factory=dict)
     """Points by name: distance from the start [m]. start, end and node0, node1, ... always exist."""
     point_masses: dict[Text, Annotated[PointMass, short_form("mass", NotNegative | PointMass)]] = Field(
@@ -96,6 +100,7 @@ class BeamEntry(Part):
         """The beam with its nodes, points and properties worked out."""
         self._count_elements(context_of(info))
         nodes = self._mesh()
+        self._check_segments(len(nodes) - 1)
         points = self._named_points(nodes)
         for name in self.point_masses:
             if name not in points:
@@ -109,6 +114,7 @@ class BeamEntry(Part):
             self.damping,
             self._properties(),
             self.material.youngs_modulus if self.material else None,
+            self.segments,
         )
 
     def _count_elements(self, context: Context) -> None:
@@ -133,6 +139,22 @@ class BeamEntry(Part):
         if count < 1:
             reject(("elements",), f"must be at least 1, is {count}")
         return (*(self.length * k / count for k in range(count)), self.length)
+
+    def _check_segments(self, elements: int) -> None:
+        if not 1 <= self.segments <= elements or elements % self.segments:
+            reject(
+                ("segments",),
+                f"must divide the number of elements, {elements}, into equal parts, is {self.segments}",
+            )
+        damping = self.damping
+        by_mode = [
+            key for key in ("mass_proportional", "modal_ratios") if getattr(damping, key) not in (0.0, ())
+        ]
+        if self.segments > 1 and by_mode:
+            reject(
+                ("damping", by_mode[0]),
+                "belongs to the motion of the beam as a whole; in segments it can have 'stiffness_proportional' only",
+            )
 
     def _checked_nodes(self, nodes: tuple[float, ...]) -> tuple[float, ...]:
         if len(nodes) < 2:

@@ -15,8 +15,9 @@ from fmbd.planar import arrays
 from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
 from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
 from fmbd.system.columns import place_columns
-from fmbd.system.lowered import Lowered, Term, place_point
+from fmbd.system.lowered import Lowered, Term
 from fmbd.system.motors import has_rotor, lower_motors, motor_coordinate, rotor_term
+from fmbd.system.segments import cut_beams
 from fmbd.system.tree import Tree, spanning_tree
 
 #: Elements of one beam, and output times of one run.
@@ -27,7 +28,11 @@ MAX_OUTPUTS = 10_000_000
 def lower(model: Model) -> Lowered:
     """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground, or too large a job."""
     _check_size(model)
-    out = Lowered(model, _tree(model))
+    segmentation = cut_beams(model)
+    whole = tree = _tree(model, [name for name, joint in model.joints.items() if joint.cut])
+    if segmentation.model is not model:
+        tree = _tree(segmentation.model, whole.cut)  # loops are not closed within a beam
+    out = Lowered(segmentation, tree, whole)
     _name_bodies(out)
     _joints(out)
     _places(out)
@@ -42,8 +47,8 @@ def lower(model: Model) -> Lowered:
 def _check_size(model: Model) -> None:
     """Refuse what would fill the memory: a beam's modal basis is a dense matrix, output times are an array."""
     for name, body in model.bodies.items():
-        if isinstance(body, Beam) and len(body.nodes) - 1 > MAX_ELEMENTS:
-            text = f"{len(body.nodes) - 1} elements are more than a beam can have ({MAX_ELEMENTS})"
+        if isinstance(body, Beam) and len(body.nodes) - 1 > MAX_ELEMENTS * body.segments:
+            text = f"{len(body.nodes) - 1} elements are more than a beam can have ({MAX_ELEMENTS} a segment)"
             raise model.error(("bodies", name, "elements"), text)
     simulation = model.simulation
     if simulation.duration / simulation.output_interval > MAX_OUTPUTS:
@@ -54,9 +59,8 @@ def _check_size(model: Model) -> None:
         )
 
 
-def _tree(model: Model) -> Tree:
+def _tree(model: Model, marked: Sequence[str]) -> Tree:
     joints = {n: (j.between[0].body, j.between[1].body) for n, j in model.joints.items()}
-    marked = [n for n, j in model.joints.items() if j.cut]
     rotors = {n: (m.joint, joints[m.joint][0]) for n, m in model.motors.items() if has_rotor(m)}
     tree, loose = spanning_tree(list(model.bodies), joints, marked, rotors)
     if loose:
@@ -70,6 +74,7 @@ def _tree(model: Model) -> Tree:
 
 def _name_bodies(out: Lowered) -> None:
     """Number bodies and coordinates; build the beams."""
+    first_node = {part.body: part.first_node for parts in out.segmentation.beams.values() for part in parts}
     for i, link in enumerate(out.tree.links):
         out.body_index[link.name] = i
         if link.joint is None:
@@ -86,10 +91,9 @@ def _name_bodies(out: Lowered) -> None:
             out.beams[i] = beam
             out.psi[i], out.omega2[i] = beam.modal_basis()
             out.modal_damping[i] = _modal_damping(body.damping, out.omega2[i])
-            units = {"w": "m", "slope": "rad"}
+            out.first_elastic[i] = len(out.coordinates)
             out.coordinates += [
-                (f"{link.name}.{name}", units[kind])
-                for name, kind in zip(beam.dof_names, beam.dof_kinds, strict=True)
+                (f"{link.name}.{name}", unit) for name, unit in beam.coordinates(first_node[link.name])
             ]
 
 
@@ -128,7 +132,7 @@ def _places(out: Lowered) -> None:
     ]
     for places in (out.model.initial.place, *targets):
         for name in places:
-            out.station(*place_point(out.model, name))
+            out.station(*out.place_point(name))
 
 
 def _springs(out: Lowered) -> None:

@@ -204,6 +204,10 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     "loads.distributed following": _load(
         'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], frame: following', BEAM
     ),
+    "loads.distributed segments": _load(
+        'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], from: 0.05, to: 0.33',
+        f"{BEAM}, segments: 2",
+    ),
     "motors.dc": _motor(f"{DC}, gear_ratio: 3, voltage: '4*cos(5*t)'"),
     "motors.dc rigid": _motor(f"{DC}, {ROTOR}, voltage: 4"),
     "motors.dc elastic": _motor(f"{DC}, {ROTOR}, transmission: {{stiffness: 4, damping: 0.2}}, voltage: 4"),
@@ -256,6 +260,12 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     ),
     "bodies.beam chord": _body(
         f"{BEAM}, frame: chord, point_masses: {{start: {{mass: 0.1, inertia: 0.02}}, hand: 0.3}}"
+    ),
+    "bodies.beam segments": _body(
+        f"{BEAM}, segments: 2, point_masses: {{start: 0.1, tip: {{mass: 0.2, inertia: 0.01}}, hand: 0.3}}"
+    ),
+    "bodies.beam segments damped": _body(
+        f"{TAPERED}, segments: 2, damping: {{stiffness_proportional: 1e-2}}", "dissipated", FOAM
     ),
     "bodies.beam damped": _body(
         f"{BEAM}, damping: {{stiffness_proportional: 1e-2, modal_ratios: [0.1, 0.05]}}", "dissipated"
