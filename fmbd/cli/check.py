@@ -162,6 +162,7 @@ def _start(system: "System") -> "Table":
 def _remarks(system: "System") -> Iterator[tuple[str, str]]:
     import numpy as np
 
+    from fmbd.results.watch import start_warnings
     from fmbd.system.closure import RigidMechanism
 
     position = system.reference.stations(system.start.q)[0]
@@ -174,6 +175,8 @@ def _remarks(system: "System") -> Iterator[tuple[str, str]]:
         yield "loops", f"closed to {miss:.1e} m or rad"
     for remark in system.start.remarks:
         yield "remark", remark
+    for warning in start_warnings(system):
+        yield "warning", warning
 
 
 def _frequencies(system: "System") -> Iterator[tuple[str, str]]:

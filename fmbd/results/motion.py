@@ -94,6 +94,19 @@ class Motion:
             out[:, here] = self.fixed_points(segment.body, local + 1j * w)
         return out
 
+    def beam_accelerations(self, body: str, x: Array) -> NDArray[np.complex128]:
+        """Accelerations [m/s^2] of points of the axis of a beam at positions x [m] (n,), shape (nt, n)."""
+        out = np.empty((len(self.time), x.size), complex)
+        for segment, here, local in self.system.lowered.segmentation.at(body, x):
+            index = self.system.lowered.body_index[segment.body]
+            seen = np.zeros((3, len(self.time), here.size), complex)
+            seen.imag = self._elastic(index) @ self.system.beams[index].shape(local).T
+            seen[0] += local
+            frame = self._frames[segment.body]
+            turned = product(turn(frame.angle)[..., None], seen)
+            out[:, here] = frame.place[2][:, None] + turned[2]
+        return out
+
     def fixed_points(self, body: str, local: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Points given in the frame of a body, shape (n,) or (nt, n), in the world, shape (nt, n)."""
         frame = self._frames[body]
@@ -171,7 +184,7 @@ class Motion:
         if record.coordinate[d] >= 0:
             return self._jets[:, :, record.coordinate[d]]
         if record.driver[d] >= 0:
-            return self._signals[:, record.driver[d]].T
+            return self.signals[:, record.driver[d]].T
         return np.zeros((3, len(self.time)))
 
     def _local(self, body: str, point: str) -> Track:
@@ -200,7 +213,7 @@ class Motion:
         return track
 
     @cached_property
-    def _signals(self) -> Array:
+    def signals(self) -> Array:
         """Value and two derivatives of every signal, shape (nt, signals, 3)."""
         values = np.empty((len(self.time), self.system.planar.signals.size, 3))
         for k, t in enumerate(self.time):

@@ -14,8 +14,9 @@
     <joint>.<x|y>.spring_force, .friction_force, .stop_force, .angle.spring_moment, ...     the same of these
     <beam>.deflection, .slope               w and w' in that frame (in segments: the angle); columns are the nodes
     <beam>.bending_moment, .shear_force     EI w'' and (EI w'')'; columns are the nodes (see beams.bending)
+    <beam>.axial_force                      tension, by Newton's law on what lies beyond (see axial.py)
     <beam>.stress                           bending stress -E h/2 w'' in the fibre y = h/2
-    <beam>.<point>.deflection, ...          the same five at a point
+    <beam>.<point>.deflection, ...          the same six at a point
     <motor>.voltage, .current, .torque      input, armature current, torque on the rotor
     <motor>.transmission_torque             what gear or elastic shaft put on the joint
     <spring>.length, .rate, .force          tension, k (l - rest) + d l' if linear
@@ -207,6 +208,7 @@ def _beam(name: str, beam: Beam) -> Named:
         "slope": ("rad", lambda run, x: run.motion.slope(name, x)),
         "bending_moment": ("N m", lambda run, x: run.motion.along(name, x, bending_moment)),
         "shear_force": ("N", lambda run, x: run.motion.along(name, x, shear_force)),
+        "axial_force": ("N", partial(_axial_force, name)),
     }
     if beam.youngs_modulus is not None and all(piece.height is not None for piece in beam.pieces):
         stress = partial(upper_stress, youngs_modulus=beam.youngs_modulus)
@@ -214,6 +216,12 @@ def _beam(name: str, beam: Beam) -> Named:
     for place, (x, columns) in places.items():
         for quantity, (unit, values) in along.items():
             yield f"{place}.{quantity}", Quantity(unit, partial(_along, values, x, bool(columns)), columns)
+
+
+def _axial_force(name: str, run: "Run", x: Array) -> Array:
+    from fmbd.results.axial import axial_force  # compiles what evaluates the forces
+
+    return axial_force(run.forces, name, x)
 
 
 def _along(values: Along, x: Array, many: bool, run: "Run") -> Array:
