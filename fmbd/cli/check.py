@@ -48,7 +48,18 @@ def _check(args: argparse.Namespace) -> int:
     show("", _bodies(system), "", facts([*_forces(system), *_freedom(system)]))
     if any(joint.coordinates for joint in model.joints.values()):
         show("", _start(system))
-    show("", facts([*_remarks(system), *_frequencies(system), *_motors(system), *_simulation(system)]))
+    show(
+        "",
+        facts(
+            [
+                *_remarks(system),
+                *_truncations(system),
+                *_frequencies(system),
+                *_motors(system),
+                *_simulation(system),
+            ]
+        ),
+    )
     return DONE
 
 
@@ -177,6 +188,17 @@ def _remarks(system: "System") -> Iterator[tuple[str, str]]:
         yield "remark", remark
     for warning in start_warnings(system):
         yield "warning", warning
+
+
+def _truncations(system: "System") -> Iterator[tuple[str, str]]:
+    """What beams with some of their modes have left."""
+    for name, kept in list(system.lowered.truncations.items())[:ROWS]:
+        where = "at its end" if kept.beam.frame == "clamped" else "in its middle"
+        yield (
+            "modes",
+            f"{name} keeps {len(kept.beam.K)} of {kept.modes}: {kept.effective_mass:.2%} of their effective mass, "
+            f"{kept.compliance:.3%} of the static compliance {where}; the next is at {_g(kept.next_frequency, 4)} Hz",
+        )
 
 
 def _frequencies(system: "System") -> Iterator[tuple[str, str]]:

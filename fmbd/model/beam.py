@@ -43,6 +43,17 @@ class Damping(Part):
     """Damping ratios of the modes: one for all of them, or a list for the first ones."""
 
 
+class UpTo(Part):
+    """All modes up to a frequency."""
+
+    up_to: Positive
+    """Frequency [Hz]."""
+
+
+def _kind_of_modes(value: Any) -> str:
+    return "all" if value == "all" else "up_to" if isinstance(value, dict | UpTo) else "number"
+
+
 @dataclass(frozen=True, slots=True)
 class Beam:
     """A planar Euler-Bernoulli beam along the x axis of its floating frame.
@@ -63,6 +74,7 @@ class Beam:
     pieces: tuple[BeamPiece, ...]
     youngs_modulus: float | None
     segments: int = 1
+    modes: Literal["all"] | int | UpTo = "all"
 
 
 class BeamEntry(Part):
@@ -85,6 +97,13 @@ class BeamEntry(Part):
     """Mass per length [kg/m], with bending_stiffness instead of material and section."""
     bending_stiffness: Positive | None = None
     """Bending stiffness E I [N m^2]."""
+    modes: Annotated[
+        Annotated[Literal["all"], Tag("all")]
+        | Annotated[Whole, Tag("number")]
+        | Annotated[UpTo, Tag("up_to")],
+        Discriminator(_kind_of_modes),
+    ] = "all"
+    """Modes that are kept: all, so many of the first, or {up_to: frequency [Hz]}."""
     frame: Literal["clamped", "chord"] = "clamped"
     """Floating frame: tangent to the beam at its start, or through both ends. Deflections are measured from it."""
     points: dict[Name, NotNegative] = Field(default_factory=dict)
@@ -101,6 +120,7 @@ class BeamEntry(Part):
         self._count_elements(context_of(info))
         nodes = self._mesh()
         self._check_segments(len(nodes) - 1)
+        self._check_modes(len(nodes) - 1)
         points = self._named_points(nodes)
         for name in self.point_masses:
             if name not in points:
@@ -115,6 +135,7 @@ class BeamEntry(Part):
             self._properties(),
             self.material.youngs_modulus if self.material else None,
             self.segments,
+            self.modes,
         )
 
     def _count_elements(self, context: Context) -> None:
@@ -154,6 +175,15 @@ class BeamEntry(Part):
             reject(
                 ("damping", by_mode[0]),
                 "belongs to the motion of the beam as a whole; in segments it can have 'stiffness_proportional' only",
+            )
+
+    def _check_modes(self, elements: int) -> None:
+        if self.segments > 1 and self.modes != "all":
+            reject(("modes",), "are those of a whole beam: a beam in segments has all of them")
+        if isinstance(self.modes, int) and not 1 <= self.modes <= 2 * elements:
+            reject(
+                ("modes",),
+                f"must be between 1 and twice the number of elements, {2 * elements}, is {self.modes}",
             )
 
     def _checked_nodes(self, nodes: tuple[float, ...]) -> tuple[float, ...]:

@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.beams import floating_beam
+from fmbd.beams import FloatingBeam, floating_beam
+from fmbd.beams.truncation import truncate
 from fmbd.model import Beam, Model, Placement
+from fmbd.model.beam import UpTo
 from fmbd.planar import arrays
 from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
 from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
@@ -88,6 +90,10 @@ def _name_bodies(out: Lowered) -> None:
         if isinstance(body, Beam):
             masses = [(body.points[point], m.mass, m.inertia) for point, m in body.point_masses.items()]
             beam = floating_beam(body.pieces, np.asarray(body.nodes, float), body.frame, masses)
+            if body.modes != "all":
+                count = _count_modes(out.model, link.name, body.modes, beam)
+                out.truncations[link.name] = truncate(beam, count)
+                beam = out.truncations[link.name].beam
             out.beams[i] = beam
             out.psi[i], out.omega2[i] = beam.modal_basis()
             out.modal_damping[i] = _modal_damping(body.damping, out.omega2[i])
@@ -95,6 +101,18 @@ def _name_bodies(out: Lowered) -> None:
             out.coordinates += [
                 (f"{link.name}.{name}", unit) for name, unit in beam.coordinates(first_node[link.name])
             ]
+
+
+def _count_modes(model: Model, name: str, modes: int | UpTo, beam: FloatingBeam) -> int:
+    """How many modes of a beam are kept."""
+    if isinstance(modes, int):
+        return modes
+    frequencies = np.sqrt(beam.modal_basis()[1]) / (2.0 * np.pi)
+    count = int((frequencies <= modes.up_to).sum())
+    if count == 0:
+        text = f"no mode is left: the first has {frequencies[0]:.4g} Hz"
+        raise model.error(("bodies", name, "modes", "up_to"), text)
+    return count
 
 
 def _modal_damping(damping: Any, omega2: np.ndarray) -> np.ndarray:

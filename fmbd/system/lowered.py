@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.beams import FloatingBeam
+from fmbd.beams.truncation import Truncation
 from fmbd.model import Model
 from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, Planar
 from fmbd.system.segments import Segmentation
@@ -30,6 +31,7 @@ class Lowered:
     body_index: dict[str, int] = field(default_factory=dict)
     beams: dict[int, FloatingBeam] = field(default_factory=dict)
     first_elastic: dict[int, int] = field(default_factory=dict)  # the first coordinate of each beam
+    truncations: dict[str, Truncation] = field(default_factory=dict)  # by beam
     psi: dict[int, np.ndarray] = field(default_factory=dict)
     omega2: dict[int, np.ndarray] = field(default_factory=dict)
     modal_damping: dict[int, np.ndarray] = field(default_factory=dict)

@@ -267,6 +267,12 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     "bodies.beam segments damped": _body(
         f"{TAPERED}, segments: 2, damping: {{stiffness_proportional: 1e-2}}", "dissipated", FOAM
     ),
+    "bodies.beam modes": _body(
+        f"{BEAM}, modes: 2, point_masses: {{start: 0.1, tip: {{mass: 0.2, inertia: 0.01}}, hand: 0.3}}"
+    ),
+    "bodies.beam modes damped": _body(
+        f"{BEAM}, frame: chord, modes: {{up_to: 200}}, damping: {{modal_ratios: [0.1, 0.05]}}", "dissipated"
+    ),
     "bodies.beam damped": _body(
         f"{BEAM}, damping: {{stiffness_proportional: 1e-2, modal_ratios: [0.1, 0.05]}}", "dissipated"
     ),
