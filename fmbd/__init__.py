@@ -11,43 +11,69 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fmbd.errors import ModelError, UnknownQuantity
+    from fmbd.analyses.state_space import StateSpace, linearize
+    from fmbd.analyses.statics import Equilibrium, equilibrium
+    from fmbd.analyses.vibrations import Modes, modes
+    from fmbd.errors import AnalysisError, ModelError, UnknownQuantity
     from fmbd.model import Model, load_model
     from fmbd.model.schema import json_schema
     from fmbd.results.archive import ArchiveError
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
+    from fmbd.studies.refine import refine
+    from fmbd.studies.study import Study
+    from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "AnalysisError",
     "ArchiveError",
+    "Equilibrium",
     "Model",
     "ModelError",
+    "Modes",
     "Run",
+    "StateSpace",
+    "Study",
     "System",
     "UnknownQuantity",
     "__version__",
     "assemble",
+    "equilibrium",
     "json_schema",
+    "linearize",
     "load_model",
+    "modes",
     "open_run",
+    "refine",
     "simulate",
+    "verify",
 ]
 
 _HOMES = {
+    "AnalysisError": "fmbd.errors",
     "ArchiveError": "fmbd.results.archive",
+    "Equilibrium": "fmbd.analyses.statics",
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
+    "Modes": "fmbd.analyses.vibrations",
     "Run": "fmbd.results.run",
+    "StateSpace": "fmbd.analyses.state_space",
+    "Study": "fmbd.studies.study",
     "System": "fmbd.system",
     "UnknownQuantity": "fmbd.errors",
     "assemble": "fmbd.system",
+    "equilibrium": "fmbd.analyses.statics",
     "json_schema": "fmbd.model.schema",
+    "linearize": "fmbd.analyses.state_space",
     "load_model": "fmbd.model",
+    "modes": "fmbd.analyses.vibrations",
     "open_run": "fmbd.results.run",
+    "refine": "fmbd.studies.refine",
     "simulate": "fmbd.results.simulate",
+    "verify": "fmbd.studies.verify",
 }
 
 

@@ -18,7 +18,11 @@ class ModelError(Exception):
 
 
 class UnknownQuantity(KeyError):
-    """A name that a run has no results for; the message is one line."""
+    """A name that nothing has: no quantity of a run, no motor, no input; the message is one line."""
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+class AnalysisError(Exception):
+    """An analysis that has no answer; the message says why and where, in one line."""

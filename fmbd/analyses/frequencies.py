@@ -5,17 +5,17 @@ controllers are left out, and so is what they add to the stiffness (geometric st
 zero pulls with k times the vector between its points: it is as stiff across as along, also where they coincide.
 Springs with backlash or a table, and stops, count with their tangent at rest there, none if it falls.
 
-    M    mass matrix, Cholesky factor L          A    Phi_q L^-T: constraints on x = L^T q
-    G    square root of the stiffness, K = G^T G R    orthonormal basis of the motions x that A allows
+    G    square root of the stiffness, K = G^T G       N    motions that the constraints allow (motions.py)
 
-Elastic coordinates are modal here, so that G is exact: the singular values of G L^-T R are the frequencies
-themselves, and low ones are not lost beside high ones, as they would be in the eigenvalues of K.
+Elastic coordinates are modal here, so that G is exact: the singular values of G N are the frequencies themselves, and
+low ones are not lost beside high ones, as they would be in the eigenvalues of K. No kernel is compiled for it. All
+that is left out here is in the modes of modes.py.
 """
 
 import numpy as np
 
 from fmbd.analyses.jacobians import displacement_rows, pathway_rows
-from fmbd.analyses.structure import independent_rows
+from fmbd.analyses.motions import allowed_motions, to_nodal_basis
 from fmbd.planar.arrays import DISTANCE
 from fmbd.planar.laws import LINEAR, evaluate_law
 from fmbd.solvers.tableau import Tableau
@@ -24,7 +24,7 @@ from fmbd.system import System
 Array = np.ndarray
 
 #: A frequency below this share of what the springs could do to the masses alone is zero to round-off.
-_ROUND_OFF = 1e-9
+ROUND_OFF = 1e-9
 
 
 def natural_frequencies(system: System, q: Array | None = None, t: float = 0.0) -> Array:
@@ -34,21 +34,16 @@ def natural_frequencies(system: System, q: Array | None = None, t: float = 0.0) 
     Raises numpy.linalg.LinAlgError if a coordinate moves no mass.
     """
     q = system.start.q if q is None else np.asarray(q, float)
-    planar, reference = system.planar, system.reference
-    basis = system.to_nodal(np.eye(planar.nq)).T  # columns: modal coordinates in nodal ones
-    bodies, _ = reference.frames(q, t)
-    Phi_q = pathway_rows(system, q, t)[planar.constraints["pathway"]] @ basis
-    M = basis.T @ reference.inertia.mass_matrix(bodies, np.append(q, t))[:-1, :-1] @ basis
-    G = np.vstack([_of_beams(system), _of_springs(system, q, t) @ basis])
+    motions = allowed_motions(system, q, t)
+    G = stiffness_root(system, q, t)
+    omega = np.linalg.svd(G @ motions.N, compute_uv=False)[::-1]
+    omega[omega < ROUND_OFF * np.linalg.norm(np.linalg.solve(motions.L, G.T))] = 0.0
+    return np.concatenate([np.zeros(motions.N.shape[1] - omega.size), omega]) / (2.0 * np.pi)
 
-    L = np.linalg.cholesky(M)
-    A = np.linalg.solve(L, Phi_q.T)
-    kept = A[:, independent_rows(A.T)]
-    R = np.linalg.qr(kept, mode="complete")[0][:, kept.shape[1] :]
-    G = np.linalg.solve(L, G.T).T
-    omega = np.linalg.svd(G @ R, compute_uv=False)[::-1]
-    omega[omega < _ROUND_OFF * np.linalg.norm(G)] = 0.0
-    return np.concatenate([np.zeros(R.shape[1] - omega.size), omega]) / (2.0 * np.pi)
+
+def stiffness_root(system: System, q: Array, t: float) -> Array:
+    """G by modal coordinates at nodal q (nq,): a row for each mode of a beam and each spring."""
+    return np.vstack([_of_beams(system), _of_springs(system, q, t) @ to_nodal_basis(system)])
 
 
 def longest_step(tableau: Tableau, frequency: float, damping: float = 0.0) -> float:

@@ -45,6 +45,7 @@ class FloatingBeam:
     M: Array  #: mass matrix, shape (nf, nf)
     M_w: Array  #: the part of M that moves transversely, shape (nf, nf)
     K: Array  #: stiffness matrix, shape (nf, nf)
+    point_masses: Array  #: positions [m] and masses [kg], shape (point masses, 2)
     modes: Array | None = None  #: of the nodal coordinates, shape (nodal coordinates, nf)
 
     @property
@@ -185,6 +186,7 @@ def floating_beam(
         M=_constant(M),
         M_w=_constant(_square(moving)),
         K=_constant(_square(_stiffness_root(pieces, nodes, frame))),
+        point_masses=_constant(np.stack([x_k, m_k], axis=-1)),
     )
 
 

@@ -7,18 +7,20 @@ import sys
 from collections.abc import Sequence
 
 from fmbd import __version__
-from fmbd.cli import check, export, info, matrices, run, schema
-from fmbd.cli.common import BAD_INPUT, INTERRUPTED
-from fmbd.errors import ModelError, UnknownQuantity
+from fmbd.cli import check, export, info, linearize, matrices, modes, refine, run, schema, statics, verify
+from fmbd.cli.common import BAD_INPUT, INTERRUPTED, STOPPED
+from fmbd.errors import AnalysisError, ModelError, UnknownQuantity
 
-COMMANDS = (check, run, info, export, matrices, schema)
+COMMANDS = (check, run, info, export, statics, modes, linearize, refine, verify, matrices, schema)
 PIPE_CLOSED = 141
 
 EPILOG = """\
-exit codes: 0 done, 1 a run stopped before its end (its archive is kept), 2 bad input, 130 interrupted
+exit codes: 0 done, 1 a run stopped before its end (its archive is kept), an analysis found no answer or a case fails,
+2 bad input, 130 interrupted
 
   fmbd check models/five_bar.yaml                        what the model is, and whether it is what was meant
   fmbd run models/five_bar.yaml                          simulate it; the results are in five-bar.vtkhdf
+  fmbd refine models/five_bar.yaml --over bodies.*.elements=1,2,4,8 --quantity rod_right.end.deflection
   fmbd export five-bar.vtkhdf tip.csv --quantities rod_right.end.position
 """
 
@@ -36,6 +38,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         # the reader of our output, `head` perhaps, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PIPE_CLOSED
+    except AnalysisError as error:
+        print(error, file=sys.stderr)
+        return STOPPED
     except _foreseen() as error:
         print(_in_words(error), file=sys.stderr)
         return BAD_INPUT

@@ -225,7 +225,10 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
     most = f", ... {_g(some[-1], 4)}" if some.size > FREQUENCIES else ""
     yield label, f"{', '.join(_g(f, 4) for f in some[:FREQUENCIES])}{most} Hz{free}"
     motors = "motors free, " if system.model.motors else ""
-    yield "", f"at the start, {motors}undamped; stiffness of beams and springs only, no gravity, no preload"
+    yield (
+        "",
+        f"at the start, {motors}undamped; stiffness of beams and springs only (`fmbd modes`: all forces)",
+    )
     simulation = system.model.simulation
     tableau = explicit_tableau(simulation.method)
     if tableau is None:
@@ -235,7 +238,7 @@ def _frequencies(system: "System") -> Iterator[tuple[str, str]]:
         count = float(f"{simulation.duration / step:.2g}")
         automatic = simulation.method == "auto"
         explicit = "dop853" if automatic else simulation.method
-        instead = "; auto tries rodas5p" if automatic else ""
+        instead = "; auto tries radau" if automatic else ""
         yield (
             "steps",
             f"the fastest mode keeps {explicit} below {step:.1e} s: {count:,.0f} steps or more{instead}",

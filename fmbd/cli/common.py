@@ -3,10 +3,10 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, SupportsFloat
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,6 +22,11 @@ PLAIN_WIDTH = 150
 def add_model(parser: argparse.ArgumentParser) -> None:
     """Arguments of a command that reads a model file."""
     parser.add_argument("model", metavar="MODEL", help="the model, a YAML file")
+    add_changes(parser)
+
+
+def add_changes(parser: argparse.ArgumentParser) -> None:
+    """The argument --set."""
     parser.add_argument(
         "--set",
         metavar="PATH=VALUE",
@@ -39,6 +44,25 @@ def _change(text: str) -> tuple[str, str]:
     if not equals or not path:
         raise argparse.ArgumentTypeError(f"'{text}' is not of the form PATH=VALUE")
     return path.strip(), value
+
+
+def add_jobs(parser: argparse.ArgumentParser) -> None:
+    """The argument --jobs."""
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    parser.add_argument(
+        "--jobs",
+        metavar="N",
+        type=count,
+        default=available,
+        help=f"runs side by side (default: {available}, the processors there are)",
+    )
+
+
+def count(text: str) -> int:
+    """The type of an argument that counts something."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 on")
+    return int(text)
 
 
 def read_model(args: argparse.Namespace, **changes: Any) -> "Model":
@@ -79,13 +103,14 @@ def facts(rows: Iterable[tuple[str, str]]) -> "Table":
     return grid
 
 
-def columns(*headings: str) -> "Table":
-    """A table without lines; a heading that ends in a unit, `[m]`, is that of numbers; the last column may fold."""
+def columns(*headings: str, numbers: Collection[str] = ()) -> "Table":
+    """A table without lines; headings that end in a unit, `[m]`, and those of `numbers` are put to the right; the last
+    column may fold."""
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     for heading in headings:
-        is_number = heading.endswith("]")
+        is_number = heading.endswith("]") or heading in numbers
         table.add_column(heading, justify="right" if is_number else "left", no_wrap=heading != headings[-1])
     return table
 
@@ -132,17 +157,77 @@ def compiling_announced(quiet: bool = False) -> Iterator[None]:
         yield
 
 
-def suffixed(suffix: str) -> Callable[[str], Path]:
-    """The type of an argument that names a file to write."""
+@contextmanager
+def share_bar(what: str, quiet: bool = False) -> Iterator[Callable[[float], None] | None]:
+    """A bar of the share that is done, on a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=terminal(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        yield lambda share: bar.update(task, completed=share)
+
+
+def suffixed(*suffixes: str) -> Callable[[str], Path]:
+    """The type of an argument that names a file to write, of one of these kinds."""
 
     def path(text: str) -> Path:
-        if Path(text).suffix.lower() != suffix:
+        if Path(text).suffix.lower() not in suffixes:
             raise argparse.ArgumentTypeError(
-                f"'{text}' does not end in {suffix}, which is what can be written"
+                f"'{text}' does not end in {' or '.join(suffixes)}, which is what can be written"
             )
         return Path(text)
 
     return path
+
+
+def add_rest(parser: argparse.ArgumentParser) -> None:
+    """Arguments of a command that looks for an equilibrium."""
+    parser.add_argument(
+        "--lock",
+        metavar="MOTOR,...",
+        type=_motors,
+        help="hold the shafts of these motors, or of `all` or `none`, at their start angles (default: of those "
+        "without which the mechanism would be free to fall)",
+    )
+    parser.add_argument(
+        "--time", metavar="SECONDS", type=seconds, help="time of loads, motors and driven joints (default 0)"
+    )
+    parser.add_argument(
+        "--moving",
+        action="store_true",
+        help="driven joints keep the speed that they have then, as in a rotating frame, and do not stand still",
+    )
+
+
+def _motors(text: str) -> str | list[str]:
+    return text if text in ("all", "none") else text.split(",")
+
+
+def seconds(text: str) -> float:
+    """The type of an argument that is a time."""
+    try:
+        time = float(text)
+    except ValueError:
+        time = -1.0
+    if not 0.0 <= time < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a time from 0 on")
+    return time
+
+
+def number(value: SupportsFloat, digits: int = 6) -> str:
+    """A number in a table: round-off of zero is zero."""
+    value = float(value)
+    return f"{value if abs(value) > 1e-12 else 0.0:.{digits}g}"
 
 
 @contextmanager

@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fmbd.cli.common import DONE, replacing, suffixed
+from fmbd.cli.common import DONE, count, replacing, suffixed
 
 if TYPE_CHECKING:
     from fmbd.results.run import Run
@@ -30,14 +30,8 @@ def add(commands: Any) -> None:
         nargs="+",
         help="names as `fmbd info ARCHIVE --names` lists them (default: all coordinates)",
     )
-    parser.add_argument("--every", metavar="N", type=_count, default=1, help="write every N-th output time")
+    parser.add_argument("--every", metavar="N", type=count, default=1, help="write every N-th output time")
     parser.set_defaults(command=_export)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 on")
-    return int(text)
 
 
 def _export(args: argparse.Namespace) -> int:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo
 
-from fmbd.model.base import NotNegative, Number, Part, Positive, Text, Whole, short_form
+from fmbd.model.base import Flag, NotNegative, Number, Part, Positive, Text, Whole, short_form
 from fmbd.model.context import Context, context_of, reference, reject
 from fmbd.model.materials import Material
 from fmbd.model.names import unknown
@@ -75,6 +75,7 @@ class Beam:
     youngs_modulus: float | None
     segments: int = 1
     modes: Literal["all"] | int | UpTo = "all"
+    foreshortening: bool = False
 
 
 class BeamEntry(Part):
@@ -106,6 +107,8 @@ class BeamEntry(Part):
     """Modes that are kept: all, so many of the first, or {up_to: frequency [Hz]}."""
     frame: Literal["clamped", "chord"] = "clamped"
     """Floating frame: tangent to the beam at its start, or through both ends. Deflections are measured from it."""
+    foreshortening: Flag = False
+    """Whether bending draws the beam's points towards its start, to second order: geometric stiffening."""
     points: dict[Name, NotNegative] = Field(default_factory=dict)
     """Points by name: distance from the start [m]. start, end and node0, node1, ... always exist."""
     point_masses: dict[Text, Annotated[PointMass, short_form("mass", NotNegative | PointMass)]] = Field(
@@ -136,6 +139,7 @@ class BeamEntry(Part):
             self.material.youngs_modulus if self.material else None,
             self.segments,
             self.modes,
+            self.foreshortening,
         )
 
     def _count_elements(self, context: Context) -> None:

@@ -24,7 +24,8 @@ from fmbd.model.springs import SpringField
 FORMAT = 1
 
 
-def _supported(value: Any) -> int:
+def supported_format(value: Any) -> int:
+    """The version of the file format; raises ValueError for another than this one."""
     if isinstance(value, bool) or value != FORMAT:
         raise ValueError(f"this program reads format {FORMAT}, not {described(value)}")
     return FORMAT
@@ -40,7 +41,7 @@ BodyField = Annotated[
 class ModelFile(Part):
     """A planar flexible multibody model."""
 
-    fmbd: Annotated[int, PlainValidator(_supported, json_schema_input_type=Literal[1])]
+    fmbd: Annotated[int, PlainValidator(supported_format, json_schema_input_type=Literal[1])]
     """Version of the file format."""
     name: Text | None = None
     """Name of the model; the file's name when left out."""

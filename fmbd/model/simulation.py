@@ -54,7 +54,7 @@ class Simulation(Part):
     duration: Positive = 1.0
     """Simulated time [s]."""
     method: Literal["auto", "dop853", "rk45", "rodas5p", "radau", "generalized_alpha", "baumgarte"] = "auto"
-    """auto: dop853 or rodas5p, whichever gets on with less work. dop853, rk45: explicit, order 8 and 5. rodas5p:
+    """auto: dop853 or radau, whichever gets on with less work. dop853, rk45: explicit, order 8 and 5. rodas5p:
     linearly implicit, order 5, for fine or damped beams and stiff springs. radau: implicit, order 9 or 5, for vibrating
     beams and tight tolerances. All with projection onto the constraints. generalized_alpha: implicit, order 2, with a
     fixed step or an adaptive one. baumgarte: the null-space scheme of the paper."""

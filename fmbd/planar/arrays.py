@@ -37,6 +37,13 @@ BODY = np.dtype(
         ("nrow", "i8"),
         ("matrix0", "i8"),  # offset of R (nrow, nf) in `rows`
         ("gram0", "i8"),  # offset of R R^T (nrow, nrow) in `gram`
+        (
+            "axial",
+            "i8",
+        ),  # of a beam that shortens: its row -(int H dm) eta, and next to it -(int x H dm) eta; else -1
+        ("bend0", "i8"),
+        ("nbend", "i8"),  # rows of it that bend
+        ("bent", "i8"),  # modes, the lowest ones, that shorten it
         ("first_hung", "i8"),  # first of the bodies that hang on its rows, -1: none
         ("next_hung", "i8"),  # the next one on the same parent
         ("hang", "i8"),  # index of its record in Work.hangs if it hangs on rows, else -1
@@ -57,9 +64,19 @@ BODY = np.dtype(
 )
 
 STATION = np.dtype(
-    [("body", "i8"), ("ax", "f8"), ("ay", "f8"), ("angle", "f8"), ("row_w", "i8"), ("row_s", "i8")],
+    [
+        ("body", "i8"),
+        ("ax", "f8"),
+        ("ay", "f8"),
+        ("angle", "f8"),
+        ("row_w", "i8"),  # rows that move it across the beam, turn it, and move it along the beam
+        ("row_s", "i8"),
+        ("row_u", "i8"),
+    ],
     align=True,
 )
+# A row that bends: R = -H eta of a matrix H (bent, bent), at `matrix0` in `shortening`.
+BEND = np.dtype([("row", "i8"), ("matrix0", "i8")], align=True)
 
 # A pathway is the sum of coefficient * elementary length over its terms, plus an offset.
 ALONG_X, ALONG_Y, WORLD_X, WORLD_Y, ANGLE, DISTANCE = range(6)
@@ -102,6 +119,7 @@ DISTRIBUTED = np.dtype(
         ("length", "f8"),
         ("moment", "f8"),
         ("row", "i8"),
+        ("row_u", "i8"),
         ("fx", "i8"),
         ("fy", "i8"),
         ("following", "i8"),
@@ -159,9 +177,10 @@ STATION_STATE = np.dtype(
 # value, rate and second derivative at zero q''; the wrench (n, m) that a unit force along the term puts on a and b
 TERM_STATE = np.dtype([(n, "f8") for n in ("nx", "ny", "ma", "mb")], align=True)
 PATHWAY_STATE = np.dtype([(n, "f8") for n in ("value", "rate", "bias")], align=True)
-# One row of a flexible body: R eta, R eta'; y and what it is made of, forces (see condensation.py)
+# One row of a flexible body: R eta, R eta'; y and what it is made of, forces (see condensation.py).
+# Of a row that bends: R eta / 2, R eta', R' eta'.
 ROW_STATE = np.dtype(
-    [(n, "f8") for n in ("value", "rate", "Vx", "Vy", "Vz", "g", "free", "y", "push")], align=True
+    [(n, "f8") for n in ("value", "rate", "bias", "Vx", "Vy", "Vz", "g", "free", "y", "push")], align=True
 )
 # One column of Phi_q^T as an articulated body sees it, and its right-hand side; the integers are constant.
 SLOT = np.dtype(
@@ -172,15 +191,14 @@ SLOT = np.dtype(
 )
 # See hanging.py; inertance is d / (1 + d p).
 HANG = np.dtype(
-    [(n, "f8", (3, 3)) for n in ("L", "x")]
-    + [(n, "f8", (3,)) for n in ("g", "d", "bw", "bs", "phi", "inertance")]
+    [(n, "f8", (3, 3)) for n in ("L", "x", "b")]
+    + [(n, "f8", (3,)) for n in ("g", "d", "phi", "inertance")]
     + [("idle", "i8", (3,))],
     align=True,
 )
 # See holding.py; inverse is that of H_f, AI is A times it, E becomes its inverse.
 HOLD = np.dtype(
-    [(n, "f8", (3, 3)) for n in ("A", "AI", "inverse", "E")]
-    + [("G", "f8", (2, 3)), ("g", "f8", (3,)), ("c", "f8", (3,))],
+    [(n, "f8", (3, 3)) for n in ("A", "AI", "inverse", "E", "G")] + [("g", "f8", (3,)), ("c", "f8", (3,))],
     align=True,
 )
 CONSTRAINT_STATE = np.dtype([("target", "f8"), ("multiplier", "f8"), ("redundant", "i8")], align=True)
@@ -208,8 +226,10 @@ class Planar(NamedTuple):
     signals: Any
     program: np.ndarray  # (instructions, 2): operation and constant of the expressions in t
     table: np.ndarray  # (knots, 5): t, and the cubic's coefficients on the interval that starts there
-    rows: np.ndarray
+    rows: np.ndarray  # R of all bodies, zeros where it bends
     gram: np.ndarray
+    bends: Any
+    shortening: np.ndarray
     omega2: np.ndarray
     modal_damping: np.ndarray
     slots: Any  # (slots,) initial values of Work.slots
@@ -231,6 +251,8 @@ class Work(NamedTuple):
     geometry: Any  # of terms
     lengths: Any  # of pathways
     rows: Any
+    R: np.ndarray  # `rows` and `gram` of Planar, with the rows that bend
+    gram: np.ndarray
     N: np.ndarray  # per body (nrow, nrow), flat
     f_eta: np.ndarray
     holds: Any  # of bodies held by rows
@@ -265,6 +287,8 @@ def allocate(system: Planar) -> Work:
         geometry=records(system.terms.size, TERM_STATE),
         lengths=records(system.pathways.size, PATHWAY_STATE),
         rows=records(int(system.bodies["nrow"].sum()), ROW_STATE),
+        R=system.rows.copy(),
+        gram=system.gram.copy(),
         N=np.zeros(system.gram.size),
         f_eta=np.zeros(system.omega2.size),
         holds=records(int((system.bodies["hold"] >= 0).sum()), HOLD),

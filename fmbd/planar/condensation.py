@@ -1,7 +1,8 @@
 """Eliminate the elastic coordinates of one flexible body, and put them back.
 
 With D = I (the modal basis), eta'' = f_eta + R^T (g - H_row a + p), where p are further forces on the rows and only
-the first two rows, s and p of planar.arrays, are coupled with the frame (H_row). For y = R eta'' that gives
+the first two rows, s and p of planar.arrays, and the axial one of a beam that shortens are coupled with the frame
+(H_row). For y = R eta'' that gives
     y = free + V a + N p,    N = W = R R^T,    V = -W H_row,    free = R f_eta + W g
 What hangs on the rows changes free, V and N afterwards, see hanging.py.
 Symbols as in recursion.py. A slot is one more column of forces: slot_y on the rows, slot_v the y that they give.
@@ -50,6 +51,10 @@ def eliminate_modes(
         row.free = total
         row.push = 0.0
         row.Vx, row.Vy, row.Vz = gram[start] * f.s, -gram[start] * f.c, -gram[start + 1]
+        if b.axial >= 0:
+            drawn = gram[start + index(b.axial) - row0]
+            row.Vx -= drawn * f.c
+            row.Vy -= drawn * f.s
         if b.first_hung >= 0:
             for j in range(n):
                 N[start + j] = gram[start + j]
@@ -62,6 +67,15 @@ def eliminate_modes(
     f.gx += f.s * lateral.free
     f.gy -= f.c * lateral.free
     f.gz -= turning.free
+    if b.axial >= 0:
+        axial = rows[b.axial]
+        f.Hxx += f.c * axial.Vx
+        f.Hxy += f.c * axial.Vy
+        f.Hyy += f.s * axial.Vy
+        f.Hxz += f.c * axial.Vz
+        f.Hyz += f.s * axial.Vz
+        f.gx -= f.c * axial.free
+        f.gy -= f.s * axial.free
     for m in range(b.nslot):
         s = slots[b.slot0 + m]
         for r in range(n):
@@ -73,6 +87,10 @@ def eliminate_modes(
         s.gx += f.s * slot_v[s.row0]
         s.gy -= f.c * slot_v[s.row0]
         s.gz -= slot_v[s.row0 + 1]
+        if b.axial >= 0:
+            drawn = slot_v[s.row0 + b.axial - b.row0]
+            s.gx -= f.c * drawn
+            s.gy -= f.s * drawn
         for j in range(m + 1):
             total = 0.0
             for r in range(n):
@@ -100,6 +118,8 @@ def put_back_rows(
             row.g += slot_y[slots[m].row0 + r] * multiplier
     rows[b.row0].g -= f.c * f.ay - f.s * f.ax
     rows[b.row0 + 1].g -= f.aw
+    if b.axial >= 0:
+        rows[b.axial].g -= f.c * f.ax + f.s * f.ay
 
 
 @part_sums

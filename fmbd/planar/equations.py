@@ -242,9 +242,9 @@ def energies(sys: Any, work: Any, q: np.ndarray, v: np.ndarray, z: np.ndarray) -
     for i in range(sys.bodies.size):
         b = sys.bodies[i]
         f = work.frames[i]
-        my = b.my
+        mx, my = b.mx, b.my
         inertia = b.J
-        row_speed, row_spin = 0.0, 0.0
+        row_speed, row_spin, drawn = 0.0, 0.0, 0.0
         for k in range(b.nf):
             eta, rate = q[b.first_q + k], v[b.first_q + k]
             inertia += eta * eta
@@ -253,10 +253,15 @@ def energies(sys: Any, work: Any, q: np.ndarray, v: np.ndarray, z: np.ndarray) -
         if b.nf > 0:
             my += work.rows[b.row0].value
             row_speed, row_spin = work.rows[b.row0].rate, work.rows[b.row0 + 1].rate
-        sx, sy = f.c * b.mx - f.s * my, f.s * b.mx + f.c * my
+        if b.axial >= 0:
+            mx += work.rows[b.axial].value
+            inertia += 2.0 * work.rows[b.axial + 1].value
+            drawn = work.rows[b.axial].rate
+        sx, sy = f.c * mx - f.s * my, f.s * mx + f.c * my
         kinetic += 0.5 * b.mass * (f.vx**2 + f.vy**2) + 0.5 * inertia * f.w**2
         kinetic += f.w * (sx * f.vy - sy * f.vx)
         kinetic += row_speed * (f.c * f.vy - f.s * f.vx) + row_spin * f.w
+        kinetic += drawn * (f.c * f.vx + f.s * f.vy)
         potential -= gx * (b.mass * f.x + sx) + gy * (b.mass * f.y + sy)
     for k in range(sys.inertias.size):
         turning = work.rows[sys.inertias[k].row].value * work.frames[sys.inertias[k].body].w

@@ -69,7 +69,7 @@ def applied_forces(sys: Any, work: Any, z: np.ndarray, dz: np.ndarray) -> tuple[
         power += _load(load, sys.stations[load.station], at, work.frames, work.rows, work.signal)
     for k in range(sys.distributed.size):
         load = sys.distributed[k]
-        power += _distributed_load(load, work.frames[load.body], work.rows[load.row], work.signal)
+        power += _distributed_load(load, work.frames[load.body], work.rows, work.signal)
     return dissipated, power
 
 
@@ -123,9 +123,9 @@ def _load(load: Any, station: Any, at: Any, frames: Any, rows: Any, signal: np.n
 
 
 @part
-def _distributed_load(load: Any, frame: Any, row: Any, signal: np.ndarray) -> float:
+def _distributed_load(load: Any, frame: Any, rows: Any, signal: np.ndarray) -> float:
     """Uniform load on a stretch of a beam: int (1, x, S) dx = (length, moment, row); returns its power."""
-    c, s = frame.c, frame.s
+    c, s, row = frame.c, frame.s, rows[load.row]
     qx, qy = signal[load.fx, 0], signal[load.fy, 0]
     if load.following == 0:
         qx, qy = c * qx + s * qy, c * qy - s * qx
@@ -133,9 +133,15 @@ def _distributed_load(load: Any, frame: Any, row: Any, signal: np.ndarray) -> fl
     moment = load.moment * qy - row.value * qx
     frame.gx += fx
     frame.gy += fy
-    frame.gz += moment
     row.g += qy
-    return fx * frame.vx + fy * frame.vy + moment * frame.w + qy * row.rate
+    power = fx * frame.vx + fy * frame.vy + qy * row.rate
+    if load.row_u >= 0:
+        along = rows[load.row_u]
+        moment += along.value * qy
+        along.g += qx
+        power += qx * along.rate
+    frame.gz += moment
+    return power + moment * frame.w
 
 
 @part
@@ -146,14 +152,16 @@ def body_forces(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> float:
     and a = b - gravity, all in the body's axes:
         F = -m a - bw x S1 + w^2 S1 + 2 w (s.eta') ex,    M = -S1 x a - (J + eta.eta) bw - 2 w eta.eta'
         f_eta = -s (ey.a) - p bw + (w^2 - omega^2) eta - d eta'
+    With foreshortening, U = int u dm and X = int x u dm, rows n = dU/deta and k = dX/deta that bend: S1 has U beside
+    mx, J has 2 X, F also -U'' ex - 2 w U' ey, M also -2 w X', and f_eta also -n (ex.a) + k w^2.
     """
     dissipated = 0.0
     gx, gy = sys.gravity[0], sys.gravity[1]
     for i in range(sys.bodies.size):
         b = sys.bodies[i]
         frame = work.frames[i]
-        inertia, my = b.J, b.my
-        spin, flow = 0.0, 0.0
+        inertia, mx, my = b.J, b.mx, b.my
+        spin, flow, drawn, pull = 0.0, 0.0, 0.0, 0.0
         c, s, w, bw = frame.c, frame.s, frame.w, frame.bw
         ax, ay = frame.bx - gx, frame.by - gy
         if b.nf > 0:
@@ -165,9 +173,18 @@ def body_forces(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> float:
             flow = lateral.rate
             lateral.g -= c * ay - s * ax
             turning.g -= bw
-        sx, sy = c * b.mx - s * my, s * b.mx + c * my
-        frame.gx += -b.mass * ax + bw * sy + w * w * sx + 2.0 * w * flow * c
-        frame.gy += -b.mass * ay - bw * sx + w * w * sy + 2.0 * w * flow * s
+            if b.axial >= 0:
+                axial, outward = work.rows[b.axial], work.rows[b.axial + 1]
+                mx += axial.value
+                inertia += 2.0 * outward.value
+                drawn, pull = axial.rate, axial.bias
+                spin += outward.rate
+                axial.g -= c * ax + s * ay
+                outward.g += w * w
+        sx, sy = c * mx - s * my, s * mx + c * my
+        fx, fy = 2.0 * w * flow - pull, -2.0 * w * drawn
+        frame.gx += -b.mass * ax + bw * sy + w * w * sx + c * fx - s * fy
+        frame.gy += -b.mass * ay - bw * sx + w * w * sy + s * fx + c * fy
         frame.gz += -(sx * ay - sy * ax) - inertia * bw - 2.0 * w * spin
     for k in range(sys.inertias.size):
         point = sys.inertias[k]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import index, part
+from fmbd.planar.kinematics import station_row
 from fmbd.planar.loops import add_rank_one
 
 # A pivot of H this small against its diagonal before the joint was eliminated is round-off of zero.
@@ -57,8 +58,9 @@ def hang_on_rows(
         hang.idle[k] = 1 if hang.d[k] == 0.0 and g[k] == 0.0 and parent.nslot == 0 else 0
         if hang.idle[k] == 1:
             continue
-        hang.bw[k] = p.c * ly - p.s * lx
-        hang.bs[k] = (f.px - at.x) * ly - (f.py - at.y) * lx + lz
+        hang.b[k, 0] = p.c * ly - p.s * lx
+        hang.b[k, 1] = (f.px - at.x) * ly - (f.py - at.y) * lx + lz
+        hang.b[k, 2] = p.c * lx + p.s * ly
         hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = lx, ly, rx * ly - ry * lx + lz
         _take_in(b, parent, p, hang, k, outer, rows, N, slots, slot_v, block, hang_w, hang_slot)
         for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
@@ -101,16 +103,16 @@ def _take_in(
 ) -> None:
     """One scalar d_k along l_k."""
     n = index(parent.nrow)
-    d, gamma, bw, bs = hang.d[k], hang.g[k], hang.bw[k], hang.bs[k]
+    d, gamma = hang.d[k], hang.g[k]
     w0, row0, gram0 = index(b.hang_w0 + k * parent.nrow), index(parent.row0), index(parent.gram0)
     x, y, z = hang.x[k, 0], hang.x[k, 1], hang.x[k, 2]
     c, give = 0.0, 0.0
     for r in range(n):
         hang_w[w0 + r] = 0.0
-    for turn in range(2):
-        at = outer.row_w if turn == 0 else outer.row_s
+    for kind in range(3):
+        at = station_row(outer, kind)
         if at >= 0:
-            weight = bw if turn == 0 else bs
+            weight = hang.b[k, kind]
             row = rows[at]
             x += weight * row.Vx
             y += weight * row.Vy
@@ -119,10 +121,10 @@ def _take_in(
             column = index(parent.gram0 + (at - parent.row0) * parent.nrow)
             for r in range(n):
                 hang_w[w0 + r] += weight * N[column + r]
-    if outer.row_w >= 0:
-        give += bw * hang_w[w0 + index(outer.row_w) - row0]
-    if outer.row_s >= 0:
-        give += bs * hang_w[w0 + index(outer.row_s) - row0]
+    for kind in range(3):
+        at = station_row(outer, kind)
+        if at >= 0:
+            give += hang.b[k, kind] * hang_w[w0 + index(at) - row0]
     share = 1.0 / (1.0 + d * give)
     phi = (gamma - d * c) * share
     hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = x, y, z
@@ -171,10 +173,10 @@ def _take_in_slots(
     for m in range(parent.nslot):
         s = slots[parent.slot0 + m]
         s.moved = 0.0
-        if outer.row_w >= 0:
-            s.moved += hang.bw[k] * slot_v[s.row0 + outer.row_w - parent.row0]
-        if outer.row_s >= 0:
-            s.moved += hang.bs[k] * slot_v[s.row0 + outer.row_s - parent.row0]
+        for kind in range(3):
+            row = station_row(outer, kind)
+            if row >= 0:
+                s.moved += hang.b[k, kind] * slot_v[s.row0 + row - parent.row0]
         for j in range(m + 1):
             t = slots[parent.slot0 + j]
             value = give * s.hung[k] * t.hung[k] + s.hung[k] * t.moved + s.moved * t.hung[k]
@@ -219,7 +221,7 @@ def put_back_hung(
         for m in range(parent.nslot):
             multiplier = reactions[slots[parent.slot0 + m].constraint].multiplier
             phi += hang_slot[b.hang_s0 + k * parent.nslot + m] * multiplier
-        if outer.row_w >= 0:
-            rows[outer.row_w].push += hang.bw[k] * phi
-        if outer.row_s >= 0:
-            rows[outer.row_s].push += hang.bs[k] * phi
+        for kind in range(3):
+            row = station_row(outer, kind)
+            if row >= 0:
+                rows[row].push += hang.b[k, kind] * phi

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.compile import part
+from fmbd.planar.kinematics import station_row
 
 
 @part
@@ -52,12 +53,12 @@ def hold_by_rows(
         s.frame[0], s.frame[1], s.frame[2] = s.gx, s.gy, s.gz
         for i in range(3):
             s.station[i] = hold.AI[i, 0] * s.gx + hold.AI[i, 1] * s.gy + hold.AI[i, 2] * s.gz
-        for turn in range(2):
-            index = inner.row_w if turn == 0 else inner.row_s
-            if index >= 0:
-                moved = slot_v[s.row0 + index - b.row0]
+        for kind in range(3):
+            row = station_row(inner, kind)
+            if row >= 0:
+                moved = slot_v[s.row0 + row - b.row0]
                 for i in range(3):
-                    s.station[i] += G[turn, i] * moved
+                    s.station[i] += G[kind, i] * moved
         s.gx, s.gy, s.gz = _times(E, s.station[0], s.station[1], s.station[2])
         s.rhs += s.gx * c[0] + s.gy * c[1] + s.gz * c[2]
         x, y, z = _times(inverse, s.frame[0], s.frame[1], s.frame[2])
@@ -81,29 +82,31 @@ def _station_motion(b: Any, f: Any, hold: Any, inner: Any, rows: Any, N: np.ndar
         for i in range(3):
             A[k, i] = 1.0 if k == i else 0.0
             E[k, i] = 0.0
-        c[k], G[0, k], G[1, k] = 0.0, 0.0, 0.0
+        c[k], G[0, k], G[1, k], G[2, k] = 0.0, 0.0, 0.0, 0.0
     A[0, 2], A[1, 2] = f.y - f.py, f.px - f.x
     if inner.row_w >= 0:
         G[0, 0], G[0, 1] = -f.s, f.c
     if inner.row_s >= 0:
         G[1, 2] = 1.0
-    for turn in range(2):
-        index = inner.row_w if turn == 0 else inner.row_s
-        if index < 0:
+    if inner.row_u >= 0:
+        G[2, 0], G[2, 1] = f.c, f.s
+    for kind in range(3):
+        at = station_row(inner, kind)
+        if at < 0:
             continue
-        start = b.gram0 + (index - b.row0) * b.nrow
-        row = rows[index]
+        start = b.gram0 + (at - b.row0) * b.nrow
+        row = rows[at]
         for k in range(3):
-            A[k, 0] += G[turn, k] * row.Vx
-            A[k, 1] += G[turn, k] * row.Vy
-            A[k, 2] += G[turn, k] * row.Vz
-            c[k] += G[turn, k] * rows[index].free
-        for other in range(2):
-            index2 = inner.row_w if other == 0 else inner.row_s
-            if index2 >= 0:
+            A[k, 0] += G[kind, k] * row.Vx
+            A[k, 1] += G[kind, k] * row.Vy
+            A[k, 2] += G[kind, k] * row.Vz
+            c[k] += G[kind, k] * row.free
+        for other in range(3):
+            beside = station_row(inner, other)
+            if beside >= 0:
                 for k in range(3):
                     for i in range(3):
-                        E[k, i] += G[turn, k] * N[start + index2 - b.row0] * G[other, i]
+                        E[k, i] += G[kind, k] * N[start + beside - b.row0] * G[other, i]
 
 
 @part
@@ -131,12 +134,12 @@ def let_go_of_rows(
         y += slots[k].frame[1] * multiplier
         z += slots[k].frame[2] * multiplier
     f.ax, f.ay, f.aw = _times(hold.inverse, x, y, z)
-    for turn in range(2):
-        index = inner.row_w if turn == 0 else inner.row_s
-        if index >= 0:
-            push = hold.G[turn, 0] * fx + hold.G[turn, 1] * fy + hold.G[turn, 2] * moment
-            rows[index].push += push
-            start = b.gram0 + (index - b.row0) * b.nrow
+    for kind in range(3):
+        at = station_row(inner, kind)
+        if at >= 0:
+            push = hold.G[kind, 0] * fx + hold.G[kind, 1] * fy + hold.G[kind, 2] * moment
+            rows[at].push += push
+            start = b.gram0 + (at - b.row0) * b.nrow
             for r in range(b.nrow):
                 rows[b.row0 + r].free += N[start + r] * push
 

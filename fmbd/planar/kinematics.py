@@ -6,6 +6,7 @@
     (bx, by), bw    its acceleration when all q'' are zero
     (u)             from the outer to the inner station of a joint: R(joint axis) (jx, jy)
     w, psi          transverse displacement and slope of a beam's station: rows of R times eta
+    u               its displacement along the beam, -1/2 eta^T H eta: a row that bends, R = -H eta
 All vectors are in world axes. Turning a vector by the rate w: w x (a, b) = (-w b, w a).
 """
 
@@ -24,6 +25,9 @@ def kinematics(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> None:
         b = sys.bodies[i]
         if b.nf > 0:
             _elastic_rows(b, sys.rows, q, v, work.rows)
+            if b.nbend > 0:
+                _bent_rows(b, sys.bends, sys.shortening, q, v, work.R, work.rows)
+                _bent_gram(b, sys.bends, work.R, work.gram)
         outer = work.points[b.outer]
         _joint(b, sys.stations[b.inner], outer, work.frames[i], work.rows, work.signal, q, v)
         for k in range(b.station0, b.station0 + b.nstation):
@@ -43,6 +47,44 @@ def _elastic_rows(b: Any, R: np.ndarray, q: np.ndarray, v: np.ndarray, rows: Any
             rate += R[start + k] * v[first + k]
         rows[b.row0 + r].value = value
         rows[b.row0 + r].rate = rate
+
+
+@part_sums
+def _bent_rows(
+    b: Any, bends: Any, H: np.ndarray, q: np.ndarray, v: np.ndarray, R: np.ndarray, rows: Any
+) -> None:
+    """Rows that bend, R = -H eta: u = 1/2 R eta, u' = R eta', u'' at zero eta'' = -eta'^T H eta'."""
+    first, n = index(b.first_q), index(b.bent)
+    for k in range(b.bend0, b.bend0 + b.nbend):
+        start = index(b.matrix0 + (bends[k].row - b.row0) * b.nf)
+        value, rate, bias = 0.0, 0.0, 0.0
+        for i in range(n):
+            at = index(bends[k].matrix0) + i * n
+            total, swing = 0.0, 0.0
+            for j in range(n):
+                total -= H[at + j] * q[first + j]
+                swing -= H[at + j] * v[first + j]
+            R[start + i] = total
+            value += total * q[first + i]
+            rate += total * v[first + i]
+            bias += swing * v[first + i]
+        row = rows[bends[k].row]
+        row.value, row.rate, row.bias = 0.5 * value, rate, bias
+
+
+@part_sums
+def _bent_gram(b: Any, bends: Any, R: np.ndarray, gram: np.ndarray) -> None:
+    """R R^T where a row bends."""
+    for k in range(b.bend0, b.bend0 + b.nbend):
+        r = bends[k].row - b.row0
+        own = index(b.matrix0 + r * b.nf)
+        for j in range(b.nrow):
+            other = index(b.matrix0 + j * b.nf)
+            total = 0.0
+            for i in range(index(b.bent)):
+                total += R[own + i] * R[other + i]
+            gram[b.gram0 + r * b.nrow + j] = total
+            gram[b.gram0 + j * b.nrow + r] = total
 
 
 @part_sums
@@ -127,17 +169,27 @@ def _frame_from_station(
 ) -> None:
     """Go back from the station at (frame.px, frame.py) that holds the body to the body's own frame."""
     deflection, rate, slope, slope_rate = _deformation(inner, rows)
+    u, du, ddu = _shortening(inner, rows)
     theta = angle - inner.angle - slope
     w -= slope_rate
-    d = inner.ay + deflection
-    rx, ry = c * inner.ax - s * d, s * inner.ax + c * d
+    x, y = inner.ax + u, inner.ay + deflection
+    rx, ry = c * x - s * y, s * x + c * y
+    gx, gy = c * du - s * rate, s * du + c * rate
     frame.angle, frame.c, frame.s, frame.w, frame.bw = theta, c, s, w, bw
     frame.x = frame.px - rx
     frame.y = frame.py - ry
-    frame.vx = vx + w * ry + rate * s
-    frame.vy = vy - w * rx - rate * c
-    frame.bx = bx + bw * ry + w * w * rx + 2.0 * w * rate * c
-    frame.by = by - bw * rx + w * w * ry + 2.0 * w * rate * s
+    frame.vx = vx + w * ry - gx
+    frame.vy = vy - w * rx - gy
+    frame.bx = bx + bw * ry + w * w * rx + 2.0 * w * gy - c * ddu
+    frame.by = by - bw * rx + w * w * ry - 2.0 * w * gx - s * ddu
+
+
+@part
+def station_row(station: Any, kind: int) -> int:
+    """Row that moves a station across the beam (kind 0), turns it (1), or moves it along the beam (2); -1: none."""
+    if kind == 0:
+        return station.row_w
+    return station.row_s if kind == 1 else station.row_u
 
 
 @part
@@ -154,18 +206,29 @@ def _deformation(station: Any, rows: Any) -> tuple[float, float, float, float]:
 
 
 @part
+def _shortening(station: Any, rows: Any) -> tuple[float, float, float]:
+    """Displacement along the beam, its rate, and its second derivative at zero eta'', of a station."""
+    if station.row_u < 0:
+        return 0.0, 0.0, 0.0
+    row = rows[station.row_u]
+    return row.value, row.rate, row.bias
+
+
+@part
 def _station(station: Any, out: Any, frame: Any, rows: Any) -> None:
     """A station from the frame of its body."""
     deflection, rate, slope, slope_rate = _deformation(station, rows)
+    u, du, ddu = _shortening(station, rows)
     c, s, w = frame.c, frame.s, frame.w
-    d = station.ay + deflection
-    rx, ry = c * station.ax - s * d, s * station.ax + c * d
+    x, y = station.ax + u, station.ay + deflection
+    rx, ry = c * x - s * y, s * x + c * y
+    gx, gy = c * du - s * rate, s * du + c * rate
     out.x = frame.x + rx
     out.y = frame.y + ry
     out.angle = frame.angle + station.angle + slope
-    out.vx = frame.vx - w * ry - rate * s
-    out.vy = frame.vy + w * rx + rate * c
+    out.vx = frame.vx - w * ry + gx
+    out.vy = frame.vy + w * rx + gy
     out.w = w + slope_rate
-    out.bx = frame.bx - frame.bw * ry - w * w * rx - 2.0 * w * rate * c
-    out.by = frame.by + frame.bw * rx - w * w * ry - 2.0 * w * rate * s
+    out.bx = frame.bx - frame.bw * ry - w * w * rx - 2.0 * w * gy + c * ddu
+    out.by = frame.by + frame.bw * rx - w * w * ry + 2.0 * w * gx + s * ddu
     out.bw = frame.bw

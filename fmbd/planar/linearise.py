@@ -61,7 +61,7 @@ def linearise(
             turned(bq, bv, ba, r[0], r[1], r[2], r[3], r[4], r[5], tan.turn[k])
         own_inertia(b, f, sys.gravity, work.rows, tb, place, tan, q, v, bq, bv, ba)
         if b.nf > 0:
-            condense(b, f, sys, place, tan, q, v, bq, bv, ba)
+            condense(b, f, sys, work.R, place, tan, bq, bv, ba)
         if b.rotor == 0:
             tb.force[0], tb.force[1], _ = reaction(sys, work, i)
         if b.sliding == 1:

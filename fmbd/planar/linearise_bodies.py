@@ -131,10 +131,10 @@ def _keep_eta(b: Any, tan: Any, q: np.ndarray, v: np.ndarray) -> tuple[float, fl
 
 @part_sums
 def condense(
-    b: Any, f: Any, sys: Any, place: Any, tan: Any, q: np.ndarray, v: np.ndarray, bq: Any, bv: Any, ba: Any
+    b: Any, f: Any, sys: Any, R: np.ndarray, place: Any, tan: Any, bq: Any, bv: Any, ba: Any
 ) -> None:
     """N of a flexible body."""
-    R, n, w2 = sys.rows, place.nr, f.w * f.w
+    n, w2 = place.nr, f.w * f.w
     nf, mode0 = index(b.nf), index(b.mode0)
     for k in range(nf):
         D = ba + bv * sys.modal_damping[mode0 + k] + bq * (sys.omega2[mode0 + k] - w2)

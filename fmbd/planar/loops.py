@@ -52,6 +52,8 @@ def _column(
         slot_y[slot.row0 + station.row_w - slot.first_row] += frame.c * fy - frame.s * fx
     if station.row_s >= 0:
         slot_y[slot.row0 + station.row_s - slot.first_row] += moment
+    if station.row_u >= 0:
+        slot_y[slot.row0 + station.row_u - slot.first_row] += frame.c * fx + frame.s * fy
 
 
 @part

@@ -81,6 +81,8 @@ def put_wrench(station: Any, at: Any, frames: Any, rows: Any, fx: float, fy: flo
         rows[station.row_w].g += frame.c * fy - frame.s * fx
     if station.row_s >= 0:
         rows[station.row_s].g += moment
+    if station.row_u >= 0:
+        rows[station.row_u].g += frame.c * fx + frame.s * fy
 
 
 @part

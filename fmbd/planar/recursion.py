@@ -22,7 +22,7 @@ from fmbd.planar.compile import part
 from fmbd.planar.condensation import eliminate_modes, free_rows, put_back_modes, put_back_rows
 from fmbd.planar.hanging import hang_on_rows, put_back_hung
 from fmbd.planar.holding import hold_by_rows, let_go_of_rows
-from fmbd.planar.kinematics import modal_square
+from fmbd.planar.kinematics import modal_square, station_row
 from fmbd.planar.loops import add_rank_one, close_loops, constraint_columns, hand_down, open_loops
 
 
@@ -45,9 +45,9 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
     for i in range(sys.bodies.size):
         b = sys.bodies[i]
         if b.nf > 0:
-            free_rows(b, sys.rows, work.f_eta, rows)
-            N = work.N if b.first_hung >= 0 else sys.gram
-            eliminate_modes(b, frames[i], rows, sys.gram, N, slots, slot_y, slot_v, block)
+            free_rows(b, work.R, work.f_eta, rows)
+            N = work.N if b.first_hung >= 0 else work.gram
+            eliminate_modes(b, frames[i], rows, work.gram, N, slots, slot_y, slot_v, block)
     for i in range(sys.bodies.size - 1, -1, -1):
         b, f = sys.bodies[i], frames[i]
         if b.rotor == 1 and b.parent < 0 and b.nslot == 0:
@@ -56,7 +56,7 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
             continue
         if b.hold >= 0:
             inner = sys.stations[b.inner]
-            N = work.N if b.first_hung >= 0 else sys.gram
+            N = work.N if b.first_hung >= 0 else work.gram
             hold_by_rows(b, f, work.holds[b.hold], inner, rows, N, slots, slot_v, block)
         else:
             _shift_to_joint(b, f, slots)
@@ -114,7 +114,7 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
         if b.nf > 0:
             if b.hold >= 0:
                 inner = sys.stations[b.inner]
-                N = work.N if b.first_hung >= 0 else sys.gram
+                N = work.N if b.first_hung >= 0 else work.gram
                 let_go_of_rows(b, f, work.holds[b.hold], inner, rows, N, slots, reactions, fx, fy, moment)
             j = b.first_hung
             while j >= 0:
@@ -133,7 +133,7 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
                 )
                 j = child.next_hung
             put_back_rows(b, f, rows, slots, slot_y, slot_v, reactions)
-            put_back_modes(b, sys.rows, work.f_eta, rows, qdd)
+            put_back_modes(b, work.R, work.f_eta, rows, qdd)
     return -1
 
 
@@ -142,13 +142,16 @@ def _start(bodies: Any, frames: Any, rows: Any, q: np.ndarray) -> None:
     """Each body's own inertia about its frame's origin."""
     for i in range(bodies.size):
         b, f = bodies[i], frames[i]
-        inertia, my = b.J, b.my
+        inertia, mx, my = b.J, b.mx, b.my
         if b.nf > 0:
             inertia += modal_square(b, q)
             my += rows[b.row0].value
+            if b.axial >= 0:
+                mx += rows[b.axial].value
+                inertia += 2.0 * rows[b.axial + 1].value
         f.Hxx, f.Hxy, f.Hyy, f.Hzz = b.mass, 0.0, b.mass, inertia
-        f.Hxz = -(f.s * b.mx + f.c * my)
-        f.Hyz = f.c * b.mx - f.s * my
+        f.Hxz = -(f.s * mx + f.c * my)
+        f.Hyz = f.c * mx - f.s * my
 
 
 @part
@@ -263,11 +266,13 @@ def _load_parent(b: Any, f: Any, p: Any, slots: Any) -> None:
 
 
 @part
-def _row_motion(f: Any, p: Any, at: Any, turn: int) -> tuple[float, float, float]:
-    """Motion at the joint of body f of a unit displacement (0) or slope (1) of the station `at` of its parent p."""
-    if turn == 0:
+def _row_motion(f: Any, p: Any, at: Any, kind: int) -> tuple[float, float, float]:
+    """Motion at the joint of body f of a unit of a row of the station `at` of its parent p, by kind of station_row."""
+    if kind == 0:
         return -p.s, p.c, 0.0
-    return -(f.py - at.y), f.px - at.x, 1.0
+    if kind == 1:
+        return -(f.py - at.y), f.px - at.x, 1.0
+    return p.c, p.s, 0.0
 
 
 @part
@@ -276,13 +281,13 @@ def outer_acceleration(f: Any, p: Any, outer: Any, at: Any, rows: Any) -> tuple[
     ax = p.ax - (f.py - p.y) * p.aw
     ay = p.ay + (f.px - p.x) * p.aw
     aw = p.aw
-    for turn in range(2):
-        index = outer.row_w if turn == 0 else outer.row_s
-        if index >= 0:
-            cx, cy, cz = _row_motion(f, p, at, turn)
-            ax += cx * rows[index].y
-            ay += cy * rows[index].y
-            aw += cz * rows[index].y
+    for kind in range(3):
+        row = station_row(outer, kind)
+        if row >= 0:
+            cx, cy, cz = _row_motion(f, p, at, kind)
+            ax += cx * rows[row].y
+            ay += cy * rows[row].y
+            aw += cz * rows[row].y
     return ax, ay, aw
 
 

@@ -55,7 +55,7 @@ def residual(
                 sx, sy, sz = joint_direction(b, f, d)
                 r[b.coordinate[d]] = sx * f.gx + sy * f.gy + sz * f.gz
         if b.nf > 0:
-            _modal_residual(b, sys.rows, work.f_eta, work.rows, qdd, r)
+            _modal_residual(b, work.R, work.f_eta, work.rows, qdd, r)
         if b.parent >= 0:
             _take_from_parent(
                 f, work.frames[b.parent], sys.stations[b.outer], work.points[b.outer], work.rows
@@ -83,12 +83,15 @@ def _accelerate(b: Any, i: int, sys: Any, work: Any, qdd: np.ndarray) -> None:
             ay += sy * value
             aw += sz * value
     if b.nf > 0:
-        _row_accelerations(b, sys.rows, rows, qdd)
+        _row_accelerations(b, work.R, rows, qdd)
     if inner.row_s >= 0:
         aw -= rows[inner.row_s].y
     if inner.row_w >= 0:
         ax += f.s * rows[inner.row_w].y
         ay -= f.c * rows[inner.row_w].y
+    if inner.row_u >= 0:
+        ax -= f.c * rows[inner.row_u].y
+        ay -= f.s * rows[inner.row_u].y
     rx, ry = f.px - f.x, f.py - f.y
     f.ax, f.ay, f.aw = ax + ry * aw, ay - rx * aw, aw
 
@@ -107,7 +110,7 @@ def _row_accelerations(b: Any, R: np.ndarray, rows: Any, qdd: np.ndarray) -> Non
 @part
 def _ask_of_joint(b: Any, f: Any, inner: Any, rows: Any, q: np.ndarray) -> None:
     """g becomes minus the wrench that the body's motion asks of its joint, at the inner station."""
-    inertia, my = b.J, b.my
+    inertia, mx, my = b.J, b.mx, b.my
     if b.nf > 0:
         inertia += modal_square(b, q)
         lateral, turning = rows[b.row0], rows[b.row0 + 1]
@@ -117,7 +120,14 @@ def _ask_of_joint(b: Any, f: Any, inner: Any, rows: Any, q: np.ndarray) -> None:
         f.gz -= turning.y
         lateral.g -= f.c * f.ay - f.s * f.ax
         turning.g -= f.aw
-    sx, sy = f.c * b.mx - f.s * my, f.s * b.mx + f.c * my
+        if b.axial >= 0:
+            axial = rows[b.axial]
+            mx += axial.value
+            inertia += 2.0 * rows[b.axial + 1].value
+            f.gx -= f.c * axial.y
+            f.gy -= f.s * axial.y
+            axial.g -= f.c * f.ax + f.s * f.ay
+    sx, sy = f.c * mx - f.s * my, f.s * mx + f.c * my
     f.gx -= b.mass * f.ax - sy * f.aw
     f.gy -= b.mass * f.ay + sx * f.aw
     f.gz -= sx * f.ay - sy * f.ax + inertia * f.aw
@@ -126,6 +136,8 @@ def _ask_of_joint(b: Any, f: Any, inner: Any, rows: Any, q: np.ndarray) -> None:
         rows[inner.row_w].g -= f.c * f.gy - f.s * f.gx
     if inner.row_s >= 0:
         rows[inner.row_s].g -= f.gz
+    if inner.row_u >= 0:
+        rows[inner.row_u].g -= f.c * f.gx + f.s * f.gy
     f.Hxx, f.Hxy, f.Hxz, f.Hyy, f.Hyz, f.Hzz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
@@ -153,6 +165,8 @@ def _take_from_parent(f: Any, p: Any, outer: Any, at: Any, rows: Any) -> None:
         rows[outer.row_w].g += p.c * f.gy - p.s * f.gx
     if outer.row_s >= 0:
         rows[outer.row_s].g += f.gz + (f.px - at.x) * f.gy - (f.py - at.y) * f.gx
+    if outer.row_u >= 0:
+        rows[outer.row_u].g += p.c * f.gx + p.s * f.gy
 
 
 @compiled

@@ -97,6 +97,7 @@ class Tangent(NamedTuple):
     PX: np.ndarray  # (rows, 7)
     YX: np.ndarray  # (rows, 7)
     HY: np.ndarray  # (rows, 3)
+    swapped: np.ndarray  # of rows: with which one to swap in turn, partial pivoting of A
     y: np.ndarray  # of rows
     y0: np.ndarray
     phi: np.ndarray
@@ -150,6 +151,7 @@ def allocate_tangent(system: Any, couplings: Couplings, level: int = 2, scalar: 
         PX=zeros(rows, 7),
         YX=zeros(rows, 7),
         HY=zeros(rows, 3),
+        swapped=np.zeros(rows, np.int64),
         y=zeros(rows),
         y0=zeros(rows),
         phi=zeros(rows),

@@ -124,6 +124,27 @@ def _give_rows(row: int, turn: int, ex: float, ey: float, H: Any, place: Any, ta
 
 
 @part
+def _swap_rows(k: int, place: Any, tan: Any) -> None:
+    """Bring the largest pivot of column k of A to row k, right-hand sides with it."""
+    n, at, row0 = place.nr, place.matrix0, place.row0
+    A, best = tan.A, k
+    for i in range(k + 1, n):
+        if abs(A[at + i * n + k]) > abs(A[at + best * n + k]):
+            best = i
+    tan.swapped[row0 + k] = row0 + best
+    if best == k:
+        return
+    for j in range(n):
+        A[at + k * n + j], A[at + best * n + j] = A[at + best * n + j], A[at + k * n + j]
+    YX = tan.YX
+    for j in range(len(tan.width)):
+        YX[row0 + k, j], YX[row0 + best, j] = YX[row0 + best, j], YX[row0 + k, j]
+    for m in range(place.slot0, place.slot0 + place.nslot):
+        y, i = tan.share_y, tan.share_row0[m]
+        y[i + k], y[i + best] = y[i + best], y[i + k]
+
+
+@part
 def eliminate_rows(b: Any, tb: Any, place: Any, tan: Any) -> bool:
     """Solve for the rows; their part of wrench and links goes to H, g, h and the block."""
     n, at = place.nr, place.matrix0
@@ -148,6 +169,7 @@ def eliminate_rows(b: Any, tb: Any, place: Any, tan: Any) -> bool:
             tan.share_y[row0 + i] = total
     # A = L U, in place; the right-hand sides go along
     for k in range(n):
+        _swap_rows(k, place, tan)
         pivot = A[at + k * n + k]
         if not abs(pivot) > 0.0:
             return False

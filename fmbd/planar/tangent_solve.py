@@ -23,7 +23,7 @@ def back_substitute(
     for i in range(sys.bodies.size):
         b, f, tb, place = sys.bodies[i], work.frames[i], tan.bodies[i], cp.places[i]
         if b.nf > 0:
-            given_rows(b, sys.rows, sys.modal_damping, place, tan, v0, a0, r)
+            given_rows(b, work.R, sys.modal_damping, place, tan, v0, a0, r)
         given_motion(b, sys, work, tan, cp, v0, a0)
         given_wrench(b, f, tb, place, tan)
         for e in range(place.end0, place.end0 + place.nend):
@@ -63,7 +63,7 @@ def back_substitute(
         n = place.nslot
         _open(X, True, cp, tan, place.slot0, n, place.closed, place.block0, n, n)
         if b.nf > 0:
-            _put_back_rows(b, sys.rows, place, cp, tan, X, x)
+            _put_back_rows(b, work.R, place, cp, tan, X, x)
         _inner_to_frame(b, sys.stations[b.inner], tb, place, tan, X)
 
 
@@ -79,6 +79,9 @@ def _rows(b: Any, f: Any, station: Any, W: Any, place: Any, tan: Any) -> None:
     for i in range(n):
         for k in range(n):
             y[place.row0 + i] -= tan.N[at + i * n + k] * tan.phi[place.row0 + k]
+    for i in range(place.row0, place.row0 + n):
+        j = tan.swapped[i]
+        y[i], y[j] = y[j], y[i]
     for i in range(1, n):
         for k in range(i):
             y[place.row0 + i] -= tan.A[at + i * n + k] * y[place.row0 + k]

@@ -89,7 +89,8 @@ def _weight_less_inertia(motion: Motion, name: str, x: Array) -> Plane:
     """int (g - a) dm from x to the end, point masses left out, shape (nt, n)."""
     beam = motion.system.model.bodies[name]
     breaks = np.unique(np.concatenate([beam.nodes, [piece.start for piece in beam.pieces[1:]], x]))
-    points, weights = gauss_points(breaks, 3 + degree(beam.pieces, "mass_per_length"))
+    # the shortening is of degree 5 within an element
+    points, weights = gauss_points(breaks, 5 + degree(beam.pieces, "mass_per_length"))
     dm = weights * evaluate(beam.pieces, "mass_per_length", points)
     per_mass = complex(*motion.system.model.gravity) - motion.beam_accelerations(name, points)
     pieces = (per_mass * dm).reshape(len(motion.time), breaks.size - 1, -1).sum(axis=2)

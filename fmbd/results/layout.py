@@ -62,19 +62,26 @@ def describe_run(
     file.create_group("statistics")
     file.attrs.update(
         {
-            "fmbd_version": __version__,
+            **provenance(model_text),
             "status": "running",
             "writer": process_identity(os.getpid()),
-            "model_sha256": hashlib.sha256(model_text.encode()).hexdigest(),
-            "command": shlex.join(sys.argv),
-            "started": datetime.now(UTC).isoformat(timespec="milliseconds"),
             "wall_time": np.nan,
-            "python": platform.python_version(),
-            "platform": platform.platform(),
-            **{f"{name}_version": _version(name) for name in ("numpy", "scipy", "numba", "h5py")},
             **attributes,
         }
     )
+
+
+def provenance(model_text: str) -> dict[str, Value]:
+    """What tells from where a file is: model, versions, command and time [UTC]."""
+    return {
+        "fmbd_version": __version__,
+        "model_sha256": hashlib.sha256(model_text.encode()).hexdigest(),
+        "command": shlex.join(sys.argv),
+        "started": datetime.now(UTC).isoformat(timespec="milliseconds"),
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        **{f"{name}_version": _version(name) for name in ("numpy", "scipy", "numba", "h5py")},
+    }
 
 
 def process_identity(pid: int) -> str:

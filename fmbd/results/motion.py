@@ -49,6 +49,13 @@ class Track:
         return Track(self.place + product(turn(self.angle), local.place), self.angle + local.angle)
 
 
+def _drawn(e: Jet, H: Array) -> Jet:
+    """The jet of u = -1/2 e^T H e; e (3, nt, n)."""
+    pull = -e @ H
+    u, du = 0.5 * (pull[0] * e[0]).sum(axis=-1), (pull[0] * e[1]).sum(axis=-1)
+    return np.stack([u, du, (pull[0] * e[2] + pull[1] * e[1]).sum(axis=-1)])
+
+
 class Motion:
     """Tracks of all bodies and points of a system at times [s] (nt,), with nodal q, q', q'' (nt, nq)."""
 
@@ -90,20 +97,15 @@ class Motion:
         """Points of the deflected axis of a beam at positions x [m] (n,), shape (nt, n)."""
         out = np.empty((len(self.time), x.size), complex)
         for segment, here, local in self.system.lowered.segmentation.at(body, x):
-            w = self._rows(segment.body, local, FloatingBeam.shape)
-            out[:, here] = self.fixed_points(segment.body, local + 1j * w)
+            out[:, here] = self.fixed_points(segment.body, self._axis(segment.body, local)[0])
         return out
 
     def beam_accelerations(self, body: str, x: Array) -> NDArray[np.complex128]:
         """Accelerations [m/s^2] of points of the axis of a beam at positions x [m] (n,), shape (nt, n)."""
         out = np.empty((len(self.time), x.size), complex)
         for segment, here, local in self.system.lowered.segmentation.at(body, x):
-            index = self.system.lowered.body_index[segment.body]
-            seen = np.zeros((3, len(self.time), here.size), complex)
-            seen.imag = self._elastic(index) @ self.system.beams[index].shape(local).T
-            seen[0] += local
             frame = self._frames[segment.body]
-            turned = product(turn(frame.angle)[..., None], seen)
+            turned = product(turn(frame.angle)[..., None], self._axis(segment.body, local))
             out[:, here] = frame.place[2][:, None] + turned[2]
         return out
 
@@ -145,7 +147,7 @@ class Motion:
 
     def _rows(self, segment: str, local: Array, rows: Rows) -> Array:
         index = self.system.lowered.body_index[segment]
-        return self._elastic(index)[0] @ rows(self.system.beams[index], local).T
+        return self._elastic(segment)[0] @ rows(self.system.beams[index], local).T
 
     def _place_beam(self, name: str) -> Track:
         """The frame of a beam in segments: the tangent at its start, or the line through both ends."""
@@ -197,14 +199,27 @@ class Motion:
         if not isinstance(part, Beam):
             place = part.points[point]
             return self._still(complex(*place.at), place.angle)
-        index = self.system.lowered.body_index[body]
-        beam, elastic, x = self.system.beams[index], self._elastic(index), part.points[point]
-        along = self._still(x, 0.0).place
-        return Track(along + 1j * (elastic @ beam.shape(x)), elastic @ beam.slope(x))
+        x = part.points[point]
+        slope = self._elastic(body) @ self.system.beams[self.system.lowered.body_index[body]].slope(x)
+        return Track(self._axis(body, np.array([x]))[..., 0], slope)
 
-    def _elastic(self, body: int) -> Array:
+    def _axis(self, body: str, x: Array) -> PlaneJet:
+        """Jets of points of a beam's axis in its frame, at positions x [m] (n,), shape (3, nt, n)."""
+        lowered = self.system.lowered
+        index = lowered.body_index[body]
+        elastic = self._elastic(body)
+        points = np.zeros((3, len(self.time), x.size), complex)
+        points.imag = elastic @ self.system.beams[index].shape(x).T
+        points[0] += x
+        if shortening := lowered.shortenings.get(index):
+            eta = shortening.amplitudes(elastic)
+            for k, position in enumerate(x):
+                points[..., k] += _drawn(eta, shortening.at(position))
+        return points
+
+    def _elastic(self, body: str) -> Array:
         """Jets of the elastic coordinates of a beam, shape (3, nt, nf)."""
-        record = self.system.planar.bodies[body]
+        record = self.system.planar.bodies[self.system.lowered.body_index[body]]
         return self._jets[:, :, record.first_q : record.first_q + record.nf]
 
     def _still(self, place: complex, angle: float) -> Track:

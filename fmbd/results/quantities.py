@@ -24,6 +24,7 @@
     energy.<name>, multipliers.<constraint>, constraint_error, velocity_constraint_error, time
     <motor>.error_integral                  and other first-order states
 
+A column of a quantity is a quantity, too: `rod.end.position.x`, `rod.deflection.node2`.
 Springs, friction and motors in a joint are not in its force and moment; what drives a driven coordinate is.
 """
 
@@ -67,6 +68,12 @@ def quantities(model: Model, source: Source) -> dict[str, Quantity]:
     for name, quantity in _computed(model):
         found.setdefault(name, quantity)
     return found
+
+
+def column(whole: Quantity, part: str) -> Quantity:
+    """One column of a quantity that has several."""
+    k = whole.columns.index(part)
+    return Quantity(whole.unit, lambda run: whole.compute(run)[:, k])
 
 
 def unknown_quantity(name: str, known: Mapping[str, Quantity], model: Model) -> UnknownQuantity:

@@ -39,7 +39,8 @@ class Run:
     def __getitem__(self, name: str) -> Array:
         """A quantity at all output times, in SI units: (nt,), or (nt, n) with the columns `columns(name)`.
 
-        Raises UnknownQuantity, a KeyError, for a name that the run does not have.
+        `rod.end.position.x` is a column of `rod.end.position`. Raises UnknownQuantity, a KeyError, for a name that
+        the run does not have.
         """
         return self.quantity(name).compute(self)
 
@@ -111,12 +112,15 @@ class Run:
         return self.quantity(name).columns
 
     def quantity(self, name: str) -> "Quantity":
-        """Unit, columns and rule of a quantity; raises UnknownQuantity."""
-        if name not in self._quantities:
-            from fmbd.results.quantities import unknown_quantity
+        """Unit, columns and rule of a quantity, or of one of its columns; raises UnknownQuantity."""
+        if name in self._quantities:
+            return self._quantities[name]
+        from fmbd.results.quantities import column, unknown_quantity
 
-            raise unknown_quantity(name, self._quantities, self.model)
-        return self._quantities[name]
+        whole, _, part = name.rpartition(".")
+        if whole in self._quantities and part in self._quantities[whole].columns:
+            return column(self._quantities[whole], part)
+        raise unknown_quantity(name, self._quantities, self.model)
 
     @cached_property
     def model(self) -> "Model":

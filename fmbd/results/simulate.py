@@ -73,6 +73,11 @@ def simulate(
     return Run(Archive(output), lambda: model, lambda: system)
 
 
+def not_run(system: System) -> Run:
+    """The run of a system before it is run: without output times, but it knows the names of all quantities."""
+    return Run(Recording(**_columns(system)), lambda: system.model, lambda: system)
+
+
 def _spread(times: Array, most: int) -> Array:
     """So many of the output times, the first and the last among them."""
     return times[np.linspace(0, times.size - 1, min(most, times.size)).round().astype(int)]

@@ -102,10 +102,10 @@ def start_warnings(system: System) -> list[str]:
 
 
 def spins(motion: Motion) -> Iterator[str]:
-    """Beams that turn so fast that centrifugal forces matter to their bending."""
+    """Beams that turn so fast that centrifugal forces matter to their bending, and leave them out."""
     lowered = motion.system.lowered
     names = [link.name for link in lowered.tree.links]
-    for name, bodies in bodies_of_beams(motion.system).items():
+    for name, bodies in _without_shortening(motion.system):
         for i in bodies:
             omega = float(np.sqrt(lowered.omega2[i][0]))
             spin = np.abs(motion.frame(names[i]).angle[1])
@@ -113,15 +113,15 @@ def spins(motion: Motion) -> Iterator[str]:
             if spin[k] ** 2 > SOFTENED * omega**2:
                 yield (
                     f"{name}: turns at {spin[k]:.3g} rad/s at t = {motion.time[k]:.3g} s, "
-                    f"{_share(spin[k] / omega, bodies, 'first frequency')}, and should stiffen; {_remedy(bodies)}"
+                    f"{_share(spin[k] / omega, bodies, 'first frequency')}, and should stiffen; {_stiffening(bodies)}"
                 )
                 break
 
 
 def axial_loads(forces: Forces) -> Iterator[str]:
-    """Beams whose axial force should change their stiffness."""
+    """Beams whose axial force should change their stiffness, and does not."""
     system = forces.system
-    for name, bodies in bodies_of_beams(system).items():
+    for name, bodies in _without_shortening(system):
         before, after = axial_forces(forces, name, np.array(system.model.bodies[name].nodes))
         within = np.maximum(np.abs(after[:, :-1]), np.abs(before[:, 1:]))  # of each element
         for i, largest in zip(bodies, np.split(within, len(bodies), axis=1), strict=True):
@@ -131,7 +131,7 @@ def axial_loads(forces: Forces) -> Iterator[str]:
             if load[k] > SOFTENED * limit:
                 yield (
                     f"{name}: carries {load[k]:.3g} N along it at t = {forces.motion.time[k]:.3g} s; "
-                    f"{limit:.3g} N should count as much as its bending stiffness; {_remedy(bodies)}"
+                    f"{limit:.3g} N should count as much as its bending stiffness; {_stiffening(bodies)}"
                 )
                 break
 
@@ -141,9 +141,24 @@ def _share(share: float, bodies: list[int], what: str) -> str:
     return f"{share:.0%} of {its} {what}" if share < 10 else f"{share:,.0f} times {its} {what}"
 
 
-def _remedy(bodies: list[int], bent: float = 0.0) -> str:
+def _without_shortening(system: System) -> Iterator[tuple[str, list[int]]]:
+    """The beams that leave out what axial forces do to them, as `bodies_of_beams`."""
+    for name, bodies in bodies_of_beams(system).items():
+        if not system.model.bodies[name].foreshortening:
+            yield name, bodies
+
+
+def _remedy(bodies: list[int], bent: float) -> str:
     doubt = "is it so soft (stiffness in Pa or N m^2)? " if bent > 0.5 else ""
-    return f"{doubt}linear theory leaves that out: give it {'more ' * (len(bodies) > 1)}segments"
+    return f"{doubt}linear theory leaves that out: give it {_segments(bodies)}"
+
+
+def _stiffening(bodies: list[int]) -> str:
+    return f"linear theory leaves that out: give it `foreshortening: true`, or {_segments(bodies)}"
+
+
+def _segments(bodies: list[int]) -> str:
+    return "more segments" if len(bodies) > 1 else "segments"
 
 
 def _at_most(found: list[str]) -> list[str]:

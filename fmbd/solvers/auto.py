@@ -1,4 +1,4 @@
-"""The method that suits the moment: `dop853` or `rodas5p`, whichever covers more time with the same work. The default.
+"""The method that suits the moment: `dop853` or `radau`, whichever covers more time with the same work. The default.
 
 Which one that is depends on the model, the tolerance and what is ringing, so it is tried: the explicit method begins,
 in a long run the implicit one gets a trial, the better goes on, and the other is tried again now and then. Work is
@@ -27,16 +27,15 @@ from fmbd.system import System
 
 Array = np.ndarray
 
-EXPLICIT, IMPLICIT = "dop853", "rodas5p"
+EXPLICIT, IMPLICIT = "dop853", "radau"
 #: Tried steps of a trial; after how many such spells the other method gets one again, at first and at most.
 SPELL = 100
 PATIENCE = (4, 64)
-#: A factorisation with its eight back-substitutions, in evaluations.
-FACTORISATION = 12
+#: What an evaluation, a projection and a factorisation cost, in evaluations. Those of radau count its
+#: back-substitutions, real and complex, with the evaluations.
+COST = {EXPLICIT: (1.0, 2.0, 0.0), IMPLICIT: (2.2, 2.0, 3.0)}
 #: A run of fewer steps to come is over before a trial pays (the trial may have to compile the method).
 LONG = 5000
-#: Below this relative tolerance a method of order 5 has no chance.
-TIGHT = 1e-9
 
 
 @dataclass
@@ -48,18 +47,20 @@ class _Choice:
     spells: int = 0
     patience: int = PATIENCE[0]
     time: float = 0.0
-    work: float = 0.0
-    steps: int = 0
+    counts: tuple[int, ...] = (0, 0, 0, 0)
     price: dict[str, float] = field(default_factory=dict)  # work per second of simulated time, as last seen
     covered: dict[str, float] = field(default_factory=dict)  # time that each method went through
 
     def mark(self, mem: Memory) -> tuple[float, float, int]:
-        """Time covered, work and steps since the last mark."""
-        count, then = mem.counters, (self.time, self.work, self.steps)
+        """Time covered, work and steps of the current method since the last mark."""
+        time, counts = self.time, self.counts
         self.time = float(mem.clock[NOW])
-        self.work = float(count[EVALUATIONS] + 2 * count[PROJECTIONS] + FACTORISATION * count[FACTORISATIONS])
-        self.steps = int(count[ACCEPTED])
-        return self.time - then[0], self.work - then[1], self.steps - then[2]
+        self.counts = tuple(
+            int(mem.counters[k]) for k in (EVALUATIONS, PROJECTIONS, FACTORISATIONS, ACCEPTED)
+        )
+        *spent, steps = (now - then for now, then in zip(self.counts, counts, strict=True))
+        work = sum(price * number for price, number in zip(COST[self.current], spent, strict=True))
+        return self.time - time, work, steps
 
     def next(self, mem: Memory) -> str:
         """The method of the next spell, from what the last one cost."""
@@ -130,7 +131,7 @@ def start_auto(system: System, y0: Array, breaks: Array, options: Options) -> St
             # between two spells all output times that were passed are written
             if status != RUNNING or filled == times.size or tried() >= last:
                 return filled, status
-            chosen = choice.next(mem) if options.rtol >= TIGHT else EXPLICIT
+            chosen = choice.next(mem)
             if chosen != choice.current:
                 if chosen == EXPLICIT:
                     # a spell that has cost too much is not kept: it may have crept up to a singular position

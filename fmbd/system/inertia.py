@@ -8,14 +8,15 @@ s, p, M, M_w   integrals of the shape functions (fmbd.beams.floating)
 
 T = sum 1/2 twist^T H twist + twist^T G q' + 1/2 q'^T M q',    twist = J r
 H = [m, 0, -S_y; 0, m, S_x; -S_y, S_x, J0 + e^T M_w e],   S = R(angle) (mx, my + s e)
+With foreshortening, u = -1/2 e^T H(x) e along the beam: mx has int u dm beside it, J0 has 2 int x u dm.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam
+from fmbd.beams import FloatingBeam, Foreshortening
 from fmbd.planar.arrays import Planar
 from fmbd.system.duals import rotate
 
@@ -29,6 +30,16 @@ class Moments:
     total: Array  #: shape (n,)
     first: Array  #: in body axes, undeformed, shape (n, 2)
     shape: Array  #: int S, shape (n, nq+1)
+    bent: Sequence[tuple[int, slice, Array]] = ()  #: of some bodies: own elastic coordinates e, int H
+
+    def shortening(self, x: Array) -> tuple[Array, Array]:
+        """Integrals of u, shape (..., n), and their derivatives by x, (..., n, nq+1)."""
+        drawn = np.zeros((*x.shape[:-1], len(self.total)), x.dtype)
+        pull = np.zeros((*drawn.shape, x.shape[-1]), x.dtype)
+        for k, own, H in self.bent:
+            pull[..., k, own] = -x[..., own] @ H
+            drawn[..., k] = 0.5 * (pull[..., k, own] * x[..., own]).sum(axis=-1)
+        return drawn, pull
 
     def sums(self, frames: Array, x: Array) -> Array:
         """Duals of the integrals of position, shape (..., n, 2, d), in world axes; frames (..., n, 3, d)."""
@@ -36,13 +47,18 @@ class Moments:
         arm[..., 0] = self.first
         arm[..., 1, 0] += x @ self.shape.T
         arm[..., 1, 1:] = self.shape
+        drawn, pull = self.shortening(x)
+        arm[..., 0, 0] += drawn
+        arm[..., 0, 1:] += pull
         return self.total[:, None, None] * frames[..., :2, :] + rotate(frames[..., 2, :], arm)
 
 
 class Inertia:
-    """Masses of all bodies; `beams` gives the beam of each flexible one."""
+    """Masses of all bodies; `beams` gives the beam of each flexible one, `shortenings` the foreshortening of some."""
 
-    def __init__(self, planar: Planar, beams: Mapping[int, FloatingBeam]) -> None:
+    def __init__(
+        self, planar: Planar, beams: Mapping[int, FloatingBeam], shortenings: Mapping[int, Foreshortening]
+    ) -> None:
         bodies = planar.bodies
         size = planar.nq + 1
         self.elastic: dict[int, slice] = {}  #: elastic coordinates of each flexible body
@@ -58,7 +74,12 @@ class Inertia:
             s[i, own], self._p[i, own] = beam.s, beam.p
             self._M[own, own], self._M_w[own, own], self.K[own, own] = beam.M, beam.M_w, beam.K
         first = np.stack([bodies["mx"], bodies["my"]], axis=-1)
-        self.mass = Moments(np.array(bodies["mass"]), first, s)
+        bent = [(i, self.elastic[i], part.nodal(part.by_mass())) for i, part in shortenings.items()]
+        self.mass = Moments(np.array(bodies["mass"]), first, s, bent)
+        for i, part in shortenings.items():
+            # x^2 becomes (x + u)^2
+            own = self.elastic[i]
+            self._M_w[own, own] -= part.nodal(part.by_moment())
 
     def mass_matrix(self, frames: Array, x: Array) -> Array:
         """Mass matrix in the extended coordinates, shape (..., nq+1, nq+1)."""
@@ -82,7 +103,8 @@ class Inertia:
 
     def _of_bodies(self, frames: Array, x: Array) -> tuple[Array, Array]:
         c, s = np.cos(frames[..., 2, 0]), np.sin(frames[..., 2, 0])
-        mx, my = self.mass.first[:, 0], self.mass.first[:, 1] + x @ self.mass.shape.T
+        drawn, pull = self.mass.shortening(x)
+        mx, my = self.mass.first[:, 0] + drawn, self.mass.first[:, 1] + x @ self.mass.shape.T
         S_x, S_y = c * mx - s * my, s * mx + c * my
         H = np.zeros((*c.shape, 3, 3), c.dtype)
         H[..., 0, 0] = H[..., 1, 1] = self.mass.total
@@ -90,8 +112,8 @@ class Inertia:
         H[..., 1, 2] = H[..., 2, 1] = S_x
         H[..., 2, 2] = self._rotary + (x @ self._M_w * x) @ self._owned.T
         G = np.empty((*c.shape, 3, x.shape[-1]), c.dtype)
-        G[..., 0, :] = -s[..., None] * self.mass.shape
-        G[..., 1, :] = c[..., None] * self.mass.shape
+        G[..., 0, :] = c[..., None] * pull - s[..., None] * self.mass.shape
+        G[..., 1, :] = s[..., None] * pull + c[..., None] * self.mass.shape
         G[..., 2, :] = self._p
         return H, G
 

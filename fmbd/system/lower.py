@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam, floating_beam
+from fmbd.beams import FloatingBeam, Foreshortening, floating_beam
 from fmbd.beams.truncation import truncate
 from fmbd.model import Beam, Model, Placement
 from fmbd.model.beam import UpTo
@@ -20,7 +20,7 @@ from fmbd.system.columns import place_columns
 from fmbd.system.lowered import Lowered, Term
 from fmbd.system.motors import has_rotor, lower_motors, motor_coordinate, rotor_term
 from fmbd.system.segments import cut_beams
-from fmbd.system.tree import Tree, spanning_tree
+from fmbd.system.tree import Link, Tree, spanning_tree
 
 #: Elements of one beam, and output times of one run.
 MAX_ELEMENTS = 1000
@@ -76,7 +76,7 @@ def _tree(model: Model, marked: Sequence[str]) -> Tree:
 
 def _name_bodies(out: Lowered) -> None:
     """Number bodies and coordinates; build the beams."""
-    first_node = {part.body: part.first_node for parts in out.segmentation.beams.values() for part in parts}
+    segments = {part.body: (name, part) for name, parts in out.segmentation.beams.items() for part in parts}
     for i, link in enumerate(out.tree.links):
         out.body_index[link.name] = i
         if link.joint is None:
@@ -88,6 +88,7 @@ def _name_bodies(out: Lowered) -> None:
                 out.coordinates.append((f"{link.joint}.{direction}", "rad" if direction == "angle" else "m"))
         body = out.model.bodies[link.name]
         if isinstance(body, Beam):
+            name, segment = segments[link.name]
             masses = [(body.points[point], m.mass, m.inertia) for point, m in body.point_masses.items()]
             beam = floating_beam(body.pieces, np.asarray(body.nodes, float), body.frame, masses)
             if body.modes != "all":
@@ -96,10 +97,13 @@ def _name_bodies(out: Lowered) -> None:
                 beam = out.truncations[link.name].beam
             out.beams[i] = beam
             out.psi[i], out.omega2[i] = beam.modal_basis()
+            if body.foreshortening:
+                _check_frame(out, link, beam, name)
+                out.shortenings[i] = Foreshortening.of(beam, out.psi[i])
             out.modal_damping[i] = _modal_damping(body.damping, out.omega2[i])
             out.first_elastic[i] = len(out.coordinates)
             out.coordinates += [
-                (f"{link.name}.{name}", unit) for name, unit in beam.coordinates(first_node[link.name])
+                (f"{link.name}.{own}", unit) for own, unit in beam.coordinates(segment.first_node)
             ]
 
 
@@ -113,6 +117,26 @@ def _count_modes(model: Model, name: str, modes: int | UpTo, beam: FloatingBeam)
         text = f"no mode is left: the first has {frequencies[0]:.4g} Hz"
         raise model.error(("bodies", name, "modes", "up_to"), text)
     return count
+
+
+def _check_frame(out: Lowered, link: Link, beam: FloatingBeam, name: str) -> None:
+    """Refuse a frame that turns with a cross-section of next to no inertia: inertia to second order loses it."""
+    clamped = beam.frame == "clamped"
+    held = out.model.joints[str(link.joint)]
+    body, point = out.inner_point(link)
+    turns = "angle" in held.coordinates and "angle" not in held.driven
+    if clamped and out.model.bodies[body].points[point] == 0.0 and not turns:
+        return
+    turning = beam.inertia - beam.p @ np.linalg.solve(beam.M, beam.p)
+    if turning < 0.01 * beam.inertia:
+        text = (
+            "a beam whose start may turn by itself needs `frame: chord` for it: "
+            "a clamped frame follows the cross-section at the start, which has no inertia"
+            if clamped
+            else "the elements are too small for it: a chord follows the ends of the beam, or of its segments, "
+            "which have next to no inertia; give it fewer elements, or more segments"
+        )
+        raise out.model.error(("bodies", name, "foreshortening"), text)
 
 
 def _modal_damping(damping: Any, omega2: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam
+from fmbd.beams import FloatingBeam, Foreshortening
 from fmbd.beams.truncation import Truncation
 from fmbd.model import Model
 from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, Planar
@@ -34,6 +34,7 @@ class Lowered:
     truncations: dict[str, Truncation] = field(default_factory=dict)  # by beam
     psi: dict[int, np.ndarray] = field(default_factory=dict)
     omega2: dict[int, np.ndarray] = field(default_factory=dict)
+    shortenings: dict[int, Foreshortening] = field(default_factory=dict)  # of the beams that shorten
     modal_damping: dict[int, np.ndarray] = field(default_factory=dict)
     coordinates: list[tuple[str, str]] = field(default_factory=list)
     constraints: list[tuple[str, str]] = field(default_factory=list)

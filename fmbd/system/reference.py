@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam
+from fmbd.beams import FloatingBeam, Foreshortening
 from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar
 from fmbd.planar.signals import evaluate_signals
 from fmbd.system.duals import norm, rotate
@@ -37,12 +37,15 @@ class _Level(NamedTuple):
 class Reference:
     """Positions and Jacobians of a mechanism, for one configuration q (nq,) or any batch of them (..., nq).
 
-    `beams` gives the beam of each flexible body. In a batch, all times have the same real part.
+    `beams` gives the beam of each flexible body, `shortenings` the foreshortening of those that have it. In a batch,
+    all times have the same real part.
     """
 
-    def __init__(self, planar: Planar, beams: Mapping[int, FloatingBeam]) -> None:
+    def __init__(
+        self, planar: Planar, beams: Mapping[int, FloatingBeam], shortenings: Mapping[int, Foreshortening]
+    ) -> None:
         self.nq = planar.nq
-        self.inertia = Inertia(planar, beams)
+        self.inertia = Inertia(planar, beams, shortenings)
         self._signals, self._program, self._table = planar.signals, planar.program, planar.table
         bodies, stations = planar.bodies, planar.stations
         self._place = np.stack([stations["ax"], stations["ay"], stations["angle"]], axis=-1)
@@ -52,6 +55,11 @@ class Reference:
             own, elastic = np.flatnonzero(stations["body"] == i), self.inertia.elastic[i]
             self._shapes[own, 1, elastic] = beam.shape(stations["ax"][own])
             self._shapes[own, 2, elastic] = beam.slope(stations["ax"][own])
+        self._bent = [
+            (k, self.inertia.elastic[i], shortening.nodal(shortening.at(stations["ax"][k])))
+            for i, shortening in shortenings.items()
+            for k in np.flatnonzero(stations["body"] == i)
+        ]
         self._joint_at_rest = np.zeros((bodies.size, 3))
         self._directions = np.zeros((bodies.size, 3, planar.nq + 1))
         body, direction = np.nonzero(bodies["coordinate"] >= 0)
@@ -63,7 +71,9 @@ class Reference:
         self._sum = _sum_of_terms(planar)
         self._offset = planar.pathways["offset"]  # a view: offsets may be set after this
         self.size = 3 * (bodies.size + stations.size)  #: numbers that place the mechanism
-        self.stretches = _loaded_stretches(planar, beams, self.inertia)  #: where the distributed loads act
+        self.stretches = _loaded_stretches(
+            planar, beams, shortenings, self.inertia
+        )  #: where the distributed loads act
         self.linear = _linear_pathways(planar)  #: whether a pathway is linear in q, (pathways,)
 
     def stations(self, q: Array, t: complex | Array = 0.0) -> tuple[Array, Array, Array]:
@@ -93,6 +103,10 @@ class Reference:
         """Duals of the frames of all bodies (..., nb, 3, d) and stations (..., ns, 3, d)."""
         q, t = np.asarray(q), np.asarray(t)
         local = self._affine(self._place, self._shapes, q, t)
+        for k, own, H in self._bent:
+            pull = q[..., own] @ H
+            local[..., k, 0, 0] -= 0.5 * (pull * q[..., own]).sum(axis=-1)
+            local[..., k, 0, 1:][..., own] -= pull
         joints = self._affine(self._joint_at_rest, self._directions, q, t)
         self._drive(joints, t)
         bodies, stations = np.empty_like(joints), np.empty_like(local)
@@ -178,16 +192,25 @@ def _levels(planar: Planar) -> list[_Level]:
     return levels
 
 
-def _loaded_stretches(planar: Planar, beams: Mapping[int, FloatingBeam], inertia: Inertia) -> Moments:
+def _loaded_stretches(
+    planar: Planar,
+    beams: Mapping[int, FloatingBeam],
+    shortenings: Mapping[int, Foreshortening],
+    inertia: Inertia,
+) -> Moments:
     """Integrals by length over the stretches [x0, x1] of the distributed loads."""
     loads = planar.distributed
     shape = np.zeros((loads.size, planar.nq + 1))
+    bent = []
     for k, load in enumerate(loads):
         middle, half = load["moment"] / load["length"], load["length"] / 2
         body = int(load["body"])
-        shape[k, inertia.elastic[body]] = beams[body].load_moments(middle - half, middle + half)[2]
+        own, x0, x1 = inertia.elastic[body], middle - half, middle + half
+        shape[k, own] = beams[body].load_moments(x0, x1)[2]
+        if shortening := shortenings.get(body):
+            bent.append((k, own, shortening.nodal(shortening.by_length(x0, x1))))
     first = np.stack([loads["moment"], np.zeros(loads.size)], axis=-1)
-    return Moments(loads["length"], first, shape)
+    return Moments(loads["length"], first, shape, bent)
 
 
 def _terms_by_kind(planar: Planar) -> dict[int, tuple[Array, Array, Array, Array]]:

@@ -27,6 +27,10 @@ class SignalTable:
             self._signals.append(signal)
         return self._index[id(signal)]
 
+    def find(self, signal: Any) -> int:
+        """Index of a signal object of the model, -1 if nothing uses it."""
+        return self._index.get(id(signal), -1)
+
     def lower(self) -> tuple[Any, Array, Array]:
         """Signal records, expression program (instructions, 2), table knots (knots, 5)."""
         out = records(len(self._signals), SIGNAL)

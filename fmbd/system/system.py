@@ -149,7 +149,7 @@ class System:
 def assemble(model: Any) -> System:
     """Lower a model, solve its start, set its targets. Raises ModelError, with the place in the file."""
     lowered = lower(model)
-    reference = Reference(lowered.planar, lowered.beams)
+    reference = Reference(lowered.planar, lowered.beams, lowered.shortenings)
     check_drives(lowered, reference)
     start = solve_start(lowered, reference)
     system = System(model, lowered, reference, start, allocate(lowered.planar))

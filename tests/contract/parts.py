@@ -94,6 +94,7 @@ def _signal(text: str) -> Sample:
 
 BEAM = """type: beam, length: 0.4, elements: 2, mass_per_length: 2, bending_stiffness: 4,
           points: {origin: 0.1, hand: 0.3, tip: 0.4}"""
+SHORTENING = f"{BEAM}, frame: chord, foreshortening: true"
 TAPERED = """type: beam, length: 0.4, nodes: [0, 0.1, 0.4], material: foam,
              points: {origin: 0.1, hand: 0.3, tip: 0.4},
              section: [{until: 0.2, section: {start: thick, end: thin}}, {until: 0.4, section: thin}]"""
@@ -208,6 +209,16 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
         'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], from: 0.05, to: 0.33',
         f"{BEAM}, segments: 2",
     ),
+    "loads.distributed foreshortened": _load(
+        'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], from: 0.05, to: 0.33', SHORTENING
+    ),
+    "loads.distributed foreshortened segments": _load(
+        'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], from: 0.05, to: 0.33',
+        f"{SHORTENING}, segments: 2",
+    ),
+    "loads.distributed following foreshortened": _load(
+        'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], frame: following', SHORTENING
+    ),
     "motors.dc": _motor(f"{DC}, gear_ratio: 3, voltage: '4*cos(5*t)'"),
     "motors.dc rigid": _motor(f"{DC}, {ROTOR}, voltage: 4"),
     "motors.dc elastic": _motor(f"{DC}, {ROTOR}, transmission: {{stiffness: 4, damping: 0.2}}, voltage: 4"),
@@ -278,4 +289,11 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     ),
     "bodies.beam mass damped": _body(f"{BEAM}, damping: {{mass_proportional: 20}}", "dissipated"),
     "bodies.beam tapered": _body(TAPERED, more=FOAM),
+    "bodies.beam foreshortened segments": _body(
+        f"{SHORTENING}, segments: 2, point_masses: {{tip: {{mass: 0.1, inertia: 0.02}}, hand: 0.1}}"
+    ),
+    "bodies.beam foreshortened modes": _body(f"{SHORTENING}, modes: 2, point_masses: {{hand: 0.1}}"),
+    "bodies.beam foreshortened": _body(
+        f"{SHORTENING}, point_masses: {{tip: {{mass: 0.1, inertia: 0.02}}, hand: 0.1}}"
+    ),
 }

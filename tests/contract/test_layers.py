@@ -7,7 +7,7 @@ import pytest
 
 import fmbd
 
-ORDER = ["errors", "model", "beams", "planar", "system", "solvers", "analyses", "results", "cli"]
+ORDER = ["errors", "model", "beams", "planar", "system", "solvers", "results", "analyses", "studies", "cli"]
 PACKAGE = Path(fmbd.__file__).parent
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.stem == "errors")
 

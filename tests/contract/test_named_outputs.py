@@ -201,6 +201,20 @@ def test_axial_forces_balance_along_every_beam(segments: int) -> None:
         assert_allclose(after[:, -1], 0, atol=1e-12)
 
 
+@pytest.mark.parametrize("segments", [1, 2])
+def test_axial_forces_balance_along_beams_that_shorten(segments: int) -> None:
+    """The same of the rods of a five-bar: forces act where the points are, drawn along by up to 2e-6 m."""
+    rods = {"foreshortening": True, "frame": "chord", "elements": 2, "segments": segments}
+    changes = {f"bodies.rod_{side}.{key}": value for side in ("right", "left") for key, value in rods.items()}
+    changes |= {"simulation.duration": 0.05, "simulation.output_interval": 5e-3}
+    model = fmbd.load_model(MODELS / "five_bar.yaml", changes)
+    run = fmbd.simulate(model)
+    for name in ("rod_right", "rod_left"):
+        before, after = axial_forces(run.forces, name, np.array(model.bodies[name].nodes))
+        assert np.abs(after).max() > 1
+        assert_allclose(before[:, 0], 0, atol=1e-11)
+
+
 TURNING = """
 fmbd: 1
 gravity: [0, -9.81]
@@ -213,10 +227,13 @@ simulation: {duration: 1e-4}
 """
 
 
+@pytest.mark.parametrize("foreshortening", [False, True])
 @pytest.mark.parametrize("segments", [1, 4])
-def test_axial_force_of_a_hanging_rod_that_swings(segments: int) -> None:
+def test_axial_force_of_a_hanging_rod_that_swings(segments: int, foreshortening: bool) -> None:
     """At the lowest point: weight and centrifugal force of what lies beyond, 0.5 kg at the end and 0.9 kg/m."""
-    run = fmbd.simulate(load_model_text(TURNING, overrides={"bodies.rod.segments": segments}))
+    changes = {"segments": segments, "foreshortening": foreshortening, "frame": "chord"}
+    overrides = {f"bodies.rod.{key}": value for key, value in changes.items()}
+    run = fmbd.simulate(load_model_text(TURNING, overrides=overrides))
 
     def expected(x):
         return 0.5 * (9.81 + 9 * 0.8) + 0.9 * (9.81 * (0.8 - x) + 9 * (0.8**2 - x**2) / 2)

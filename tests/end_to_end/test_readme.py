@@ -56,6 +56,19 @@ def test_results_in_python(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert fmbd.open_run(folder / "five_bar_4.vtkhdf").status == "complete"
 
 
+def test_analyses(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for line in block("sh", "fmbd statics").splitlines():
+        program, *arguments = shlex.split(line, comments=True)
+        assert program == ".venv/bin/fmbd"
+        assert main(arguments) == 0, line
+    assert (folder / "five_bar.mat").stat().st_size > 1000
+    shown = re.search(r"^five-bar: modes.*?\.\.\.$", README, flags=re.DOTALL | re.MULTILINE)
+    assert shown and shown[0].removesuffix("...") in capsys.readouterr().out
+    namespace: dict[str, object] = {"fmbd": fmbd, "model": fmbd.load_model("models/five_bar.yaml")}
+    exec(block("python", "fmbd.equilibrium"), namespace)
+    assert capsys.readouterr().out.startswith("stable -0.00098")
+
+
 def test_figures_of_the_five_bar(folder: Path) -> None:
     archive = folder / "short.vtkhdf"
     fmbd.simulate(fmbd.load_model("models/five_bar.yaml", {"simulation.duration": 0.02}), archive)
@@ -68,6 +81,17 @@ def test_figures_of_the_five_bar(folder: Path) -> None:
         "five_bar_joints.png",
     ]
     assert all(picture.stat().st_size > 10_000 for picture in pictures)
+
+
+def test_study_of_the_elements_of_the_five_bar(folder: Path) -> None:
+    """Its script, for a short move; the table of the README has the rows and columns that it prints."""
+    script = ROOT / "postprocess" / "five_bar_refinement.py"
+    command = [sys.executable, script, "--folder", folder, "--duration", "0.02"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert (folder / "five_bar_refinement.svg").stat().st_size > 10_000
+    for line in done.stdout.splitlines():
+        if line.startswith("| "):
+            assert re.match(r"\|[^|]*\|[^|]*\|", line)[0] in README
 
 
 def test_citation_and_changelog_know_the_version() -> None:

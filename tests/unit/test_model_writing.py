@@ -10,7 +10,8 @@ from fmbd.model import load_model, load_model_text
 from fmbd.model.document import parse
 from fmbd.model.writing import yaml_text
 
-MODELS = sorted((Path(__file__).parents[2] / "models").rglob("*.yaml"))
+FOLDER = Path(__file__).parents[2] / "models"
+MODELS = sorted(set(FOLDER.rglob("*.yaml")) - set(FOLDER.rglob("*.case.yaml")))
 
 names = st.text(st.characters(codec="ascii", categories=["L"]), min_size=1, max_size=6)
 values = st.recursive(

@@ -1,4 +1,4 @@
-"""What `import fmbd` gives: a dozen names, each imported when it is first used."""
+"""What `import fmbd` gives: some twenty names, each imported when it is first used."""
 
 import subprocess
 import sys

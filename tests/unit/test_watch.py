@@ -69,7 +69,10 @@ def test_a_heavy_load_along_the_rod():
     assert len(after) == 1
     assert after[0].startswith("rod: carries 18.6 N along it at t = ")
     assert "; 23.4 N should count as much as its bending stiffness" in after[0]
+    assert "`foreshortening: true`, or segments" in after[0]
     assert warnings(**{"bodies.rod.point_masses": {"end": 1.5}, "bodies.rod.segments": 4})[1] == []
+    shortened = {"bodies.rod.foreshortening": True, "bodies.rod.frame": "chord"}
+    assert warnings(**{"bodies.rod.point_masses": {"end": 1.5}} | shortened)[1] == []
 
 
 def test_a_fast_turn():
@@ -80,5 +83,8 @@ def test_a_fast_turn():
     assert before[0].startswith(
         "rod: turns at 12 rad/s at t = 0 s, 69% of its first frequency, and should stiffen"
     )
+    assert "`foreshortening: true`, or segments" in before[0]
+    shortened = {"bodies.rod.foreshortening": True, "gravity": [0, 0], "initial.joints": {}}
+    assert warnings(**{"joints.hinge": turning} | shortened) == ([], [])
     slower = turning | {"driven": "4*t"}
     assert warnings(**{"joints.hinge": slower, "gravity": [0, 0], "initial.joints": {}}) == ([], [])

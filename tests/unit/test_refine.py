@@ -1,0 +1,113 @@
+"""Families of models, ever finer: members, verdicts, files, and what is refused."""
+
+import json
+from pathlib import Path
+
+import h5py
+import pytest
+from numpy.testing import assert_allclose
+
+import fmbd
+from fmbd.cli import main
+
+MODELS = Path(__file__).parents[2] / "models"
+BEAM = str(MODELS / "verification" / "beam.yaml")
+PENDULUM = str(MODELS / "pendulum.yaml")
+FOUR_BARS = str(MODELS / "four_bars.yaml")
+ELEMENTS = "bodies.*.elements"
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_the_frequency_of_a_cantilever_with_its_error():
+    """(1.87510406871 / L)^2 sqrt(EI / m) / 2 pi, with units for all; elements are too stiff by order 4."""
+    study = fmbd.refine(BEAM, {ELEMENTS: [1, 2, 4, 8]}, ["frequency.1"], analysis="modes")
+    (result,) = study.results
+    exact = 0.559591209967
+    assert_allclose(result.found.order, 4, atol=0.15)
+    finest = study.members[-1].measured.values["frequency.1"]
+    assert abs(finest - exact) < result.found.bar.end < 2 * abs(finest - exact)
+    assert abs(result.found.extrapolated - exact) < 0.1 * abs(finest - exact)
+    assert result.verdict == (
+        "frequency.1 converges with order 3.9 in elements: 8 is right to 0.00028 %, "
+        "1 is enough for 1 %, 2 is enough for 0.1 %"
+    )
+
+
+def test_several_values_are_refined_from_the_finest_of_the_others():
+    over = {"simulation.rtol": [1e-3, 1e-5], ELEMENTS: [1, 2]}
+    study = fmbd.refine(BEAM, over, ["beam.end.deflection"])
+    changes = [dict(member.changes) for member in study.members]
+    assert changes == [
+        {"simulation.rtol": 1e-3, ELEMENTS: 2},
+        {"simulation.rtol": 1e-5, ELEMENTS: 1},
+        {"simulation.rtol": 1e-5, ELEMENTS: 2},
+    ]
+    time, mesh = study.results
+    assert (time.members, mesh.members) == ((0, 2), (1, 2))
+    assert study.check.changes["simulation.rtol"] == 1e-6
+    assert time.time_error is None, "tolerances are refined themselves"
+    assert mesh.time_error.mean > 0
+
+
+def test_the_error_of_time_is_measured_and_said(capsys):
+    """A tolerance so loose that elements hardly show."""
+    arguments = ["--over", "bodies.*.elements=8,12", "--quantity", "beam.end.deflection", "--jobs", "1"]
+    assert main(["refine", BEAM, "--set", "simulation.rtol=1e-3", *arguments]) == 0
+    assert "too much, choose a tighter tolerance" in capsys.readouterr().out
+
+
+def test_a_member_that_fails_is_reported_and_left_out(capsys):
+    """Tight tolerances do not get the four bars through their singular positions."""
+    over = ["--over", "simulation.rtol=1e-7,1e-8,1e-10", "--set", "simulation.method=dop853"]
+    assert main(["refine", FOUR_BARS, *over, "--quantity", "foot0.angle", "--jobs", "2"]) == 1
+    out = capsys.readouterr().out
+    assert "left out  simulation.rtol = 1e-10: stopped: at t = 1.2" in out
+    assert "1e-08 is right to about" in out
+
+
+def test_the_file_of_a_study(capsys):
+    over = ["--over", "simulation.rtol=1e-4,1e-6,1e-8"]
+    names = ["pivot.angle", "bob.center_of_mass.position", "bob.origin.position"]  # the last does not move
+    output = ["-o", "study.h5", "--plot", "study.svg", "--jobs", "1"]
+    assert main(["refine", PENDULUM, *over, "--quantity", *names, *output]) == 0
+    assert "wrote study.h5" in capsys.readouterr().out
+    assert Path("study.svg").read_text().startswith("<?xml")
+    with h5py.File("study.h5") as file:
+        assert file.attrs["fmbd_version"] == fmbd.__version__
+        assert file["model"].asstr()[()] == Path(PENDULUM).read_text()
+        assert json.loads(file["members/0"].attrs["changes"]) == {"simulation.rtol": 1e-4}
+        series = [file[f"members/{k}/values/pivot.angle"][:] for k in range(3)]
+        result = file["results/pivot.angle/simulation.rtol"]
+        assert result.attrs["units"] == "rad"
+        assert "right to about" in result.attrs["verdict"]
+        assert_allclose(result["difference_largest"][0], abs(series[0] - series[2]).max())
+        assert file["members/2/values/bob.center_of_mass.position"].shape == (1001, 2)
+
+
+# ruff: noqa: E501  (a table of messages is easiest to read with one mistake a line)
+MISTAKES = [
+    ("bodies.*.elements=8,4", "bodies.*.elements: give the values from coarse to fine: 4,8"),
+    ("simulation.rtol=1e-8,1e-6", "simulation.rtol: give the values from coarse to fine: 1e-06,1e-08"),
+    ("bodies.*.elements=4", "bodies.*.elements: give two positive values or more, from coarse to fine, such as 1,2,4,8"),
+    ("bodies.*.elements=1,many", "bodies.*.elements: what is refined must be numbers, not 1, many"),
+    ("bodies.*.lements=1,2", "bodies.*.lements: no part of 'bodies' can have the key 'lements'"),
+    ("simulation.duration=2,1", "members must have the same duration and output interval to be compared"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("over", "message"), MISTAKES)
+def test_what_cannot_be_refined(capsys, over, message):
+    assert main(["refine", BEAM, "--over", over, "--quantity", "beam.end.deflection"]) == 2
+    assert capsys.readouterr().err == message + "\n"
+
+
+def test_quantities_that_cannot_be_compared(capsys):
+    over = ["--over", "bodies.*.elements=1,2"]
+    assert main(["refine", BEAM, *over, "--quantity", "beam.end.deflecton"]) == 2
+    assert "did you mean 'beam.end.deflection'?" in capsys.readouterr().err
+    assert main(["refine", BEAM, *over, "--quantity", "beam.deflection"]) == 2
+    assert "ask for a point, such as beam.end.deflection" in capsys.readouterr().err
