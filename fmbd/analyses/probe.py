@@ -18,6 +18,7 @@ from fmbd.planar.signals import CONSTANT
 from fmbd.results.layout import ENERGIES
 from fmbd.results.recording import Recording
 from fmbd.results.run import Run
+from fmbd.system import System
 from fmbd.system.applied import apply_loads
 
 Array = np.ndarray
@@ -44,14 +45,13 @@ def inputs_by_name(lin: Linearisation) -> dict[str, Input]:
         if m not in lin.arrangement.locked:
             found.append(Input(name, "V" if motor.type == "dc" else "N m", motors=(m,)))
     fields = {"force": ("fx", "fy"), "distributed": ("fx", "fy"), "moment": ("moment",)}
-    count = {"loads": 0, "distributed": 0}
+    own = _numbers_of_loads(system)
     for name, load in system.model.loads.items():
         array = "distributed" if load.type == "distributed" else "loads"
         unit = {"force": "N", "distributed": "N/m", "moment": "N m"}[load.type]
         for field in fields[load.type]:
             full = f"{name}.moment" if field == "moment" else f"{name}.force.{field[1]}"
-            found.append(Input(full, unit, loads=((array, count[array], field),)))
-        count[array] += 1
+            found.append(Input(full, unit, loads=tuple((array, k, field) for k in own[name])))
     for name, signal in system.model.signals.items():
         number = system.lowered.signals.find(signal)
         targets = planar.controllers["target"]
@@ -62,7 +62,7 @@ def inputs_by_name(lin: Linearisation) -> dict[str, Input]:
         )
         parts = [
             (array, k, field)
-            for array in count
+            for array in ("loads", "distributed")
             for k, load in enumerate(getattr(planar, array))
             for field in _LOAD_FIELDS
             if field in load.dtype.names and load[field] == number
@@ -70,6 +70,24 @@ def inputs_by_name(lin: Linearisation) -> dict[str, Input]:
         if motors or parts:
             found.append(Input(name, "", motors, tuple(parts)))
     return {entry.name: entry for entry in found}
+
+
+def _numbers_of_loads(system: System) -> dict[str, list[int]]:
+    """Where each load of the model is in its array; a distributed one on a beam in segments is in several places."""
+    loads = system.lowered.model.loads
+    at_points = [name for name, load in loads.items() if load.type != "distributed"]
+    # distributed loads stand in the order of the bodies that they are on
+    on_bodies = [
+        name
+        for link in system.tree.links
+        for name, load in loads.items()
+        if load.type == "distributed" and load.on == link.name
+    ]
+    own: dict[str, list[int]] = {name: [] for name in system.model.loads}
+    for names in (at_points, on_bodies):
+        for k, name in enumerate(names):
+            own[name.split(".")[0]].append(k)
+    return own
 
 
 def chosen_inputs(lin: Linearisation, names: Iterable[str] | None) -> list[Input]:

@@ -38,11 +38,13 @@ def shares(lin: Linearisation, motions: Array) -> dict[str, float]:
     moved = np.abs(lin.motions.N @ motions) ** 2
     weight = lin.motions.M.diagonal() * (moved.sum(axis=1) if moved.ndim == 2 else moved)
     found = dict(zip(system.coordinate_names, weight, strict=True))
-    for i in system.beams:
-        own = system.reference.inertia.elastic[i]
-        for name in system.coordinate_names[own]:
-            del found[name]
-        found[f"{system.tree.links[i].name} bending"] = weight[own].sum()
+    for beam, segments in system.lowered.segmentation.beams.items():
+        found[f"{beam} bending"] = 0.0
+        for segment in segments:
+            own = system.reference.inertia.elastic[system.lowered.body_index[segment.body]]
+            for name in system.coordinate_names[own]:
+                del found[name]
+            found[f"{beam} bending"] += weight[own].sum()
     total = max(weight.sum(), 1e-300)
     return dict(sorted(((name, float(w / total)) for name, w in found.items()), key=lambda item: -item[1]))
 

@@ -12,7 +12,7 @@ m_k, I_k, x_k   point masses: mass, moment of inertia, position; dm includes the
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -29,7 +29,10 @@ _ROUND_OFF = 1e-9  # a position that misses the beam by less than this, in lengt
 
 @dataclass(frozen=True, eq=False)
 class FloatingBeam:
-    """Constants and shape functions of a beam; its nf elastic coordinates e are nodal, in order along it."""
+    """Constants and shape functions of a beam; its nf elastic coordinates e are nodal, in order along it.
+
+    If `modes` are given, they are amplitudes of these instead: nodal coordinates are modes e.
+    """
 
     pieces: tuple[BeamPiece, ...]
     nodes: Array  #: node positions [m], shape (n+1,)
@@ -43,6 +46,7 @@ class FloatingBeam:
     M_w: Array  #: the part of M that moves transversely, shape (nf, nf)
     K: Array  #: stiffness matrix, shape (nf, nf)
     point_masses: Array  #: positions [m] and masses [kg], shape (point masses, 2)
+    modes: Array | None = None  #: of the nodal coordinates, shape (nodal coordinates, nf)
 
     @property
     def length(self) -> float:
@@ -51,18 +55,26 @@ class FloatingBeam:
 
     @property
     def dof_nodes(self) -> NDArray[np.intp]:
-        """Node of each elastic coordinate, integers, shape (nf,)."""
+        """Node of each nodal coordinate, integers, shape (nodal coordinates,)."""
         return _kept(self.nodes, self.frame) // 2
 
     @property
     def dof_kinds(self) -> tuple[str, ...]:
-        """'w' [m] or 'slope' [rad] for each elastic coordinate."""
+        """'w' [m] or 'slope' [rad] for each nodal coordinate."""
         return tuple("slope" if dof % 2 else "w" for dof in _kept(self.nodes, self.frame))
+
+    def coordinates(self, first_node: int = 0) -> list[tuple[str, str]]:
+        """(name, unit) of the elastic coordinates, such as ('w1', 'm'); `first_node` is the number of the first."""
+        if self.modes is not None:
+            return [(f"mode{number}", "kg^0.5 m") for number in range(1, self.modes.shape[1] + 1)]
+        units = {"w": "m", "slope": "rad"}
+        pairs = zip(self.dof_kinds, self.dof_nodes, strict=True)
+        return [(f"{kind}{first_node + node}", units[kind]) for kind, node in pairs]
 
     @property
     def dof_names(self) -> tuple[str, ...]:
         """Names of the elastic coordinates, such as ('w1', 'slope1', 'w2', 'slope2')."""
-        return tuple(f"{kind}{node}" for kind, node in zip(self.dof_kinds, self.dof_nodes, strict=True))
+        return tuple(name for name, _ in self.coordinates())
 
     def shape(self, x: ArrayLike) -> Array:
         """S at x [m]: shape (nf,) for a number, (points, nf) for an array. ValueError off the beam."""
@@ -103,12 +115,32 @@ class FloatingBeam:
 
         Psi^T M Psi = I to round-off, Psi^T K Psi = diag(omega2); signs do not hang on round-off.
         """
+        if self.modes is not None:
+            return np.eye(len(self.M)), np.diag(self.K).copy()
         return modal.modal_basis(self.M, _stiffness_root(self.pieces, self.nodes, self.frame))
+
+    def truncated(self, count: int) -> "FloatingBeam":
+        """The beam that moves in its first modes only; ValueError if it has fewer."""
+        Psi, omega2 = self.modal_basis()
+        if not 1 <= count <= len(omega2):
+            raise ValueError(f"the beam has {len(omega2)} modes, not {count}")
+        kept = Psi[:, :count]
+        return replace(
+            self,
+            s=_constant(self.s @ kept),
+            p=_constant(self.p @ kept),
+            M=_constant(np.eye(count)),
+            M_w=_constant(kept.T @ self.M_w @ kept),
+            K=_constant(np.diag(omega2[:count])),
+            modes=_constant(kept),
+        )
 
     def _evaluate(self, x: ArrayLike, derivative: int, side: Side = "right") -> Array:
         x = np.asarray(x, float)
         self._check_on_beam(x)
         values = _shapes(self.nodes, self.frame, x.ravel(), derivative, side)
+        if self.modes is not None:
+            values = values @ self.modes
         return values.reshape(*x.shape, -1)
 
     def _check_on_beam(self, x: Array) -> None:

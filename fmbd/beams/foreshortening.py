@@ -61,6 +61,10 @@ class Foreshortening:
         before = (x1 - x0) * self.at(x0)
         return before + self._integral(x0, x1, lambda x: x1 - x)
 
+    def amplitudes(self, e: Array) -> Array:
+        """Of these modes in elastic coordinates e, shape (..., nf)."""
+        return e @ (self.beam.M @ self.psi)
+
     def nodal(self, H: Array) -> Array:
         """A matrix in these modes, in nodal coordinates, shape (nf, nf)."""
         left = self.beam.M @ self.psi

@@ -48,15 +48,26 @@ def _check(args: argparse.Namespace) -> int:
     show("", _bodies(system), "", facts([*_forces(system), *_freedom(system)]))
     if any(joint.coordinates for joint in model.joints.values()):
         show("", _start(system))
-    show("", facts([*_remarks(system), *_frequencies(system), *_motors(system), *_simulation(system)]))
+    show(
+        "",
+        facts(
+            [
+                *_remarks(system),
+                *_truncations(system),
+                *_frequencies(system),
+                *_motors(system),
+                *_simulation(system),
+            ]
+        ),
+    )
     return DONE
 
 
 def _bodies(system: "System") -> "Table":
     """The spanning tree: each body under the one that carries it, and by which joint."""
     table = columns("body", "carried by", "properties")
-    links = system.tree.links
-    for i, (link, branch) in enumerate(zip(links[:ROWS], _branches(system), strict=False)):
+    links = system.lowered.whole.links
+    for link, branch in zip(links[:ROWS], _branches(system), strict=False):
         if link.motor is not None:
             motor = system.model.motors[link.motor]
             by, what = (
@@ -65,27 +76,31 @@ def _bodies(system: "System") -> "Table":
             )
         else:
             by = f"{link.joint} ({system.model.joints[str(link.joint)].type})"
-            what = _body(system, i, link.name)
+            what = _body(system, link.name)
         table.add_row(branch + link.name, by, what)
     if len(links) > ROWS:
         table.add_row(f"... {len(links) - ROWS} more")
     return table
 
 
-def _body(system: "System", i: int, name: str) -> str:
-    mass = f"{_g(system.planar.bodies['mass'][i])} kg"
-    if i not in system.beams:
-        return f"{mass}, {_g(system.model.bodies[name].inertia)} kg m^2"
-    beam, omega2 = system.beams[i], system.lowered.omega2[i]
-    count = len(beam.nodes) - 1
+def _body(system: "System", name: str) -> str:
+    lowered, body = system.lowered, system.model.bodies[name]
+    segments = lowered.segmentation.beams.get(name, ())
+    parts = [lowered.body_index[segment.body] for segment in segments] or [lowered.body_index[name]]
+    mass = f"{_g(system.planar.bodies['mass'][parts].sum())} kg"
+    if not segments:
+        return f"{mass}, {_g(body.inertia)} kg m^2"
+    count = len(body.nodes) - 1
     elements = "1 element" if count == 1 else f"{count} elements"
-    first = f"first frequency {_g(omega2[0] ** 0.5 / tau, 4)} Hz ({beam.frame})"
-    return f"{mass}, beam of {beam.length:g} m, {elements}, {first}"
+    if len(parts) > 1:
+        return f"{mass}, beam of {body.length:g} m, {elements} in {len(parts)} segments"
+    first = f"first frequency {_g(lowered.omega2[parts[0]][0] ** 0.5 / tau, 4)} Hz ({body.frame})"
+    return f"{mass}, beam of {body.length:g} m, {elements}, {first}"
 
 
 def _branches(system: "System") -> Iterator[str]:
     """The lines of the tree before the name of each body."""
-    links = system.tree.links
+    links = system.lowered.whole.links
     last = {link.parent: link.name for link in links}
     stem = {"ground": ""}
     for link in links:
@@ -109,7 +124,7 @@ def _freedom(system: "System") -> Iterator[tuple[str, str]]:
     """Loops, coordinates, degrees of freedom and what holds them twice."""
     from fmbd.analyses import mobility
 
-    for name in system.tree.cut[:ROWS]:
+    for name in system.lowered.whole.cut[:ROWS]:
         joint = system.model.joints[name]
         ends = " and ".join(f"{ref.body}.{ref.point}" for ref in joint.between)
         yield "loop", f"closed by {name} ({joint.type}) of {ends}"
@@ -158,6 +173,7 @@ def _start(system: "System") -> "Table":
 def _remarks(system: "System") -> Iterator[tuple[str, str]]:
     import numpy as np
 
+    from fmbd.results.watch import start_warnings
     from fmbd.system.closure import RigidMechanism
 
     position = system.reference.stations(system.start.q)[0]
@@ -170,6 +186,19 @@ def _remarks(system: "System") -> Iterator[tuple[str, str]]:
         yield "loops", f"closed to {miss:.1e} m or rad"
     for remark in system.start.remarks:
         yield "remark", remark
+    for warning in start_warnings(system):
+        yield "warning", warning
+
+
+def _truncations(system: "System") -> Iterator[tuple[str, str]]:
+    """What beams with some of their modes have left."""
+    for name, kept in list(system.lowered.truncations.items())[:ROWS]:
+        where = "at its end" if kept.beam.frame == "clamped" else "in its middle"
+        yield (
+            "modes",
+            f"{name} keeps {len(kept.beam.K)} of {kept.modes}: {kept.effective_mass:.2%} of their effective mass, "
+            f"{kept.compliance:.3%} of the static compliance {where}; the next is at {_g(kept.next_frequency, 4)} Hz",
+        )
 
 
 def _frequencies(system: "System") -> Iterator[tuple[str, str]]:

@@ -167,7 +167,7 @@ def _is_given(point: str) -> bool:
 def _beams(rest: "Equilibrium") -> "Table":
     system = rest.run.system
     table = columns("beam", "deflection [m]", "at", "bending moment [N m]", "at")
-    names = [system.tree.links[i].name for i in system.beams]
+    names = list(system.lowered.segmentation.beams)
     for name in names[:ROWS]:
         row = [name]
         for quantity in ("deflection", "bending_moment"):

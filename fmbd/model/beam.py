@@ -43,13 +43,25 @@ class Damping(Part):
     """Damping ratios of the modes: one for all of them, or a list for the first ones."""
 
 
+class UpTo(Part):
+    """All modes up to a frequency."""
+
+    up_to: Positive
+    """Frequency [Hz]."""
+
+
+def _kind_of_modes(value: Any) -> str:
+    return "all" if value == "all" else "up_to" if isinstance(value, dict | UpTo) else "number"
+
+
 @dataclass(frozen=True, slots=True)
 class Beam:
     """A planar Euler-Bernoulli beam along the x axis of its floating frame.
 
     `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, start, end and
     node0 to nodeN included; `pieces` cover the length; mass and stiffness are polynomials within each.
-    `youngs_modulus` [Pa] is None when the bending stiffness was given as a number.
+    `youngs_modulus` [Pa] is None when the bending stiffness was given as a number. `segments` divides the number
+    of elements.
     """
 
     type: ClassVar[str] = "beam"
@@ -61,6 +73,8 @@ class Beam:
     damping: Damping
     pieces: tuple[BeamPiece, ...]
     youngs_modulus: float | None
+    segments: int = 1
+    modes: Literal["all"] | int | UpTo = "all"
     foreshortening: bool = False
 
 
@@ -74,6 +88,8 @@ class BeamEntry(Part):
     """Number of equal finite elements."""
     nodes: tuple[Number, ...] | None = None
     """Positions of the nodes [m], from 0 to the length, instead of a number of elements."""
+    segments: Whole = 1
+    """Stretches of equally many elements, each with a floating frame of its own, for large deflections."""
     material: Annotated[Material, reference("materials", "material")] | None = None
     """Name of a material."""
     section: SectionLayout | None = None
@@ -82,8 +98,15 @@ class BeamEntry(Part):
     """Mass per length [kg/m], with bending_stiffness instead of material and section."""
     bending_stiffness: Positive | None = None
     """Bending stiffness E I [N m^2]."""
+    modes: Annotated[
+        Annotated[Literal["all"], Tag("all")]
+        | Annotated[Whole, Tag("number")]
+        | Annotated[UpTo, Tag("up_to")],
+        Discriminator(_kind_of_modes),
+    ] = "all"
+    """Modes that are kept: all, so many of the first, or {up_to: frequency [Hz]}."""
     frame: Literal["clamped", "chord"] = "clamped"
-    """Floating frame: tangent to the beam at its start, or through both ends."""
+    """Floating frame: tangent to the beam at its start, or through both ends. Deflections are measured from it."""
     foreshortening: Flag = False
     """Whether bending draws the beam's points towards its start, to second order: geometric stiffening."""
     points: dict[Name, NotNegative] = Field(default_factory=dict)
@@ -99,6 +122,8 @@ class BeamEntry(Part):
         """The beam with its nodes, points and properties worked out."""
         self._count_elements(context_of(info))
         nodes = self._mesh()
+        self._check_segments(len(nodes) - 1)
+        self._check_modes(len(nodes) - 1)
         points = self._named_points(nodes)
         for name in self.point_masses:
             if name not in points:
@@ -112,6 +137,8 @@ class BeamEntry(Part):
             self.damping,
             self._properties(),
             self.material.youngs_modulus if self.material else None,
+            self.segments,
+            self.modes,
             self.foreshortening,
         )
 
@@ -137,6 +164,31 @@ class BeamEntry(Part):
         if count < 1:
             reject(("elements",), f"must be at least 1, is {count}")
         return (*(self.length * k / count for k in range(count)), self.length)
+
+    def _check_segments(self, elements: int) -> None:
+        if not 1 <= self.segments <= elements or elements % self.segments:
+            reject(
+                ("segments",),
+                f"must divide the number of elements, {elements}, into equal parts, is {self.segments}",
+            )
+        damping = self.damping
+        by_mode = [
+            key for key in ("mass_proportional", "modal_ratios") if getattr(damping, key) not in (0.0, ())
+        ]
+        if self.segments > 1 and by_mode:
+            reject(
+                ("damping", by_mode[0]),
+                "belongs to the motion of the beam as a whole; in segments it can have 'stiffness_proportional' only",
+            )
+
+    def _check_modes(self, elements: int) -> None:
+        if self.segments > 1 and self.modes != "all":
+            reject(("modes",), "are those of a whole beam: a beam in segments has all of them")
+        if isinstance(self.modes, int) and not 1 <= self.modes <= 2 * elements:
+            reject(
+                ("modes",),
+                f"must be between 1 and twice the number of elements, {2 * elements}, is {self.modes}",
+            )
 
     def _checked_nodes(self, nodes: tuple[float, ...]) -> tuple[float, ...]:
         if len(nodes) < 2:

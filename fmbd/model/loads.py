@@ -60,7 +60,7 @@ class DistributedLoad(Part):
     force: tuple[SignalField, SignalField]
     """Components over time [N/m]."""
     frame: Frame = "fixed"
-    """Axes of the components: the world's, or the beam's floating frame."""
+    """Axes of the components: the world's, or the beam's floating frame, that of each segment if it has several."""
     from_: NotNegative = Field(0.0, alias="from")
     """Start of the stretch [m]."""
     to: Annotated[Positive, BeforeValidator(_beam_end)] = Field(None, validate_default=True)

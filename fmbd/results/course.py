@@ -15,4 +15,5 @@ def course(statistics: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("constraint error", f"at most {s['largest_constraint_error']:.1e}"),
         ("energy balance", f"within {s['largest_energy_balance']:.1e} J"),
         *(("remark", remark) for remark in s["remarks"].splitlines()),
+        *(("warning", warning) for warning in s.get("warnings", "").splitlines()),
     ]

@@ -1,5 +1,6 @@
 """Forces in joints, springs and motors: the equations evaluated once more at the states of a run."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,8 @@ def observe(
     dz: np.ndarray,
     reactions: np.ndarray,
     closing: np.ndarray,
+    multipliers: np.ndarray,
+    normals: np.ndarray,
     lengths: np.ndarray,
     drives: np.ndarray,
 ) -> None:
@@ -35,6 +38,7 @@ def observe(
 
     reactions (nt, bodies, 3): wrench that its joint puts on a body, about the joint's point on it
     closing (nt, constraints, 3): wrench of a constraint on the body of its first point, about that point
+    multipliers (nt, constraints); normals (nt, terms, 2): direction of the force of a term on its second station
     lengths (nt, pathways, 2): value and rate; drives (nt, motors, 2): input and shaft torque
     qdd (nq,) and dz (nz,) are scratch.
     """
@@ -45,9 +49,12 @@ def observe(
             row[0], row[1], row[2] = reaction(sys, work, i)
         for c in range(sys.constraints.size):
             term = sys.pathways[sys.constraints[c].pathway].term0
-            force = sys.terms[term].coefficient * work.reactions[c].multiplier
+            multipliers[k, c] = work.reactions[c].multiplier
+            force = sys.terms[term].coefficient * multipliers[k, c]
             g = work.geometry[term]
             closing[k, c, 0], closing[k, c, 1], closing[k, c, 2] = -force * g.nx, -force * g.ny, force * g.ma
+        for j in range(sys.terms.size):
+            normals[k, j, 0], normals[k, j, 1] = work.geometry[j].nx, work.geometry[j].ny
         for p in range(sys.pathways.size):
             lengths[k, p, 0], lengths[k, p, 1] = work.lengths[p].value, work.lengths[p].rate
         for m in range(sys.motors.size):
@@ -67,6 +74,8 @@ class Forces:
         nt = len(motion.time)
         self._reactions = np.zeros((nt, planar.bodies.size, 3))
         self._closing = np.zeros((nt, planar.constraints.size, 3))
+        self._multipliers = np.zeros((nt, planar.constraints.size))
+        self._normals = np.zeros((nt, planar.terms.size, 2))
         self._lengths = np.zeros((nt, planar.pathways.size, 2))
         self._drives = np.zeros((nt, planar.motors.size, 2))
         observe(
@@ -82,9 +91,34 @@ class Forces:
             np.zeros(len(system.states)),
             self._reactions,
             self._closing,
+            self._multipliers,
+            self._normals,
             self._lengths,
             self._drives,
         )
+
+    @property
+    def held(self) -> NDArray[np.complex128]:
+        """Force [N] of its joint's constraints on each body of the tree, shape (nt, bodies)."""
+        return self._reactions[..., 0] + 1j * self._reactions[..., 1]
+
+    @property
+    def directions(self) -> NDArray[np.complex128]:
+        """Direction of the force of each term of a pathway on its second station, shape (nt, terms)."""
+        return self._normals[..., 0] + 1j * self._normals[..., 1]
+
+    @cached_property
+    def along(self) -> Array:
+        """Force [N or N m] along each pathway, positive where it lengthens it, shape (nt, pathways)."""
+        planar = self.system.planar
+        along = np.zeros(self._lengths.shape[:2])
+        for k, path in enumerate(planar.springs["pathway"]):
+            along[:, path] -= self._spring(k)[2]
+        for k, path in enumerate(planar.motors["pathway"]):
+            along[:, path] += self._drives[:, k, 1]
+        for k, path in enumerate(planar.constraints["pathway"]):
+            along[:, path] += self._multipliers[:, k]
+        return along
 
     def joint(self, name: str) -> tuple[NDArray[np.complex128], Array]:
         """Force [N], fx + i fy in the world, and moment [N m] about the first point, on its body."""
@@ -112,7 +146,10 @@ class Forces:
 
     def spring(self, name: str) -> Array:
         """Length or angle, its rate, and the tension or moment against both, shape (3, nt)."""
-        planar, index = self.system.planar, self.system.lowered.springs.names.index(name)
+        return self._spring(self.system.lowered.springs.names.index(name))
+
+    def _spring(self, index: int) -> Array:
+        planar = self.system.planar
         length, rate = self._lengths[:, planar.springs[index].pathway].T.copy()
         values = np.zeros((length.size, 5))
         evaluate_law(planar.springs, planar.curves, index, length, rate, values)

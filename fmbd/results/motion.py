@@ -4,18 +4,22 @@ A jet is a quantity with its first two derivatives by time: an array (3, nt). Po
 numbers x + iy, so that turning by an angle is multiplying by exp(i angle).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fmbd.beams import FloatingBeam
+from fmbd.model import Beam
 from fmbd.system import System
 from fmbd.system.bodies import DIRECTIONS
 
 Array = NDArray[np.float64]
 Jet = NDArray[np.float64]
 PlaneJet = NDArray[np.complex128]
+Rows = Callable[[FloatingBeam, Array], Array]
 
 
 def product(a: PlaneJet, b: PlaneJet) -> PlaneJet:
@@ -46,7 +50,7 @@ class Track:
 
 
 def _drawn(e: Jet, H: Array) -> Jet:
-    """The jet of u = -1/2 e^T H e; e (3, nt, nf)."""
+    """The jet of u = -1/2 e^T H e; e (3, nt, n)."""
     pull = -e @ H
     u, du = 0.5 * (pull[0] * e[0]).sum(axis=-1), (pull[0] * e[1]).sum(axis=-1)
     return np.stack([u, du, (pull[0] * e[2] + pull[1] * e[1]).sum(axis=-1)])
@@ -65,13 +69,17 @@ class Motion:
         for link in system.tree.links:
             if link.joint is not None:
                 self._frames[link.name] = self._place_body(link.name)
+        for name in system.lowered.segmentation.beams:
+            if system.lowered.segmentation.is_cut(name):
+                self._frames[name] = self._place_beam(name)
 
     def frame(self, body: str) -> Track:
-        """The frame of a body, of a beam its floating frame."""
+        """The frame of a body; of a beam its floating frame, in segments the tangent or chord of the whole."""
         return self._frames[body]
 
     def point(self, body: str, point: str) -> Track:
         """A point of a body or of the ground, with its axes; that of a beam turns with its slope."""
+        body, point = self.system.lowered.segmentation.place(body, point)
         return self._frames[body].followed_by(self._local(body, point))
 
     def joint(self, name: str) -> Track:
@@ -87,23 +95,71 @@ class Motion:
 
     def beam_points(self, body: str, x: Array) -> NDArray[np.complex128]:
         """Points of the deflected axis of a beam at positions x [m] (n,), shape (nt, n)."""
-        index = self.system.lowered.body_index[body]
-        elastic = self._elastic(index)[0]
-        local = x + 1j * (elastic @ self.system.beams[index].shape(x).T)
-        if shortening := self.system.lowered.shortenings.get(index):
-            for k, position in enumerate(x):
-                H = shortening.nodal(shortening.at(position))
-                local[:, k] -= 0.5 * ((elastic @ H) * elastic).sum(axis=-1)
-        return self.fixed_points(body, local)
+        out = np.empty((len(self.time), x.size), complex)
+        for segment, here, local in self.system.lowered.segmentation.at(body, x):
+            out[:, here] = self.fixed_points(segment.body, self._axis(segment.body, local)[0])
+        return out
+
+    def beam_accelerations(self, body: str, x: Array) -> NDArray[np.complex128]:
+        """Accelerations [m/s^2] of points of the axis of a beam at positions x [m] (n,), shape (nt, n)."""
+        out = np.empty((len(self.time), x.size), complex)
+        for segment, here, local in self.system.lowered.segmentation.at(body, x):
+            frame = self._frames[segment.body]
+            turned = product(turn(frame.angle)[..., None], self._axis(segment.body, local))
+            out[:, here] = frame.place[2][:, None] + turned[2]
+        return out
 
     def fixed_points(self, body: str, local: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Points given in the frame of a body, shape (n,) or (nt, n), in the world, shape (nt, n)."""
         frame = self._frames[body]
         return frame.place[0][:, None] + np.exp(1j * frame.angle[0])[:, None] * local
 
-    def elastic(self, body: str) -> Array:
-        """Nodal elastic coordinates of a beam, shape (nt, nf)."""
-        return self._elastic(self.system.lowered.body_index[body])[0]
+    def deflection(self, body: str, x: Array) -> Array:
+        """Deflection [m] of a beam from its frame at positions x [m] (n,), shape (nt, n)."""
+        if not self.system.lowered.segmentation.is_cut(body):
+            return self.along(body, x, FloatingBeam.shape)
+        frame = self._frames[body]
+        seen = self.beam_points(body, x) - frame.place[0][:, None]
+        return (seen * np.exp(-1j * frame.angle[0])[:, None]).imag
+
+    def slope(self, body: str, x: Array) -> Array:
+        """Angle [rad] of the cross-sections of a beam against its frame at positions x [m] (n,), shape (nt, n)."""
+
+        def angle(segment: str, local: Array) -> Array:
+            turned = self._frames[segment].angle[0] - self._frames[body].angle[0]
+            return turned[:, None] + self._rows(segment, local, FloatingBeam.slope)
+
+        return self._mean(body, x, angle)
+
+    def along(self, body: str, x: Array, rows: Rows) -> Array:
+        """Rows at positions x [m] (n,) of a beam times its elastic coordinates, shape (nt, n).
+
+        Where segments meet it is the mean of both.
+        """
+        return self._mean(body, x, lambda segment, local: self._rows(segment, local, rows))
+
+    def _mean(self, body: str, x: Array, values: Callable[[str, Array], Array]) -> Array:
+        total, count = np.zeros((len(self.time), x.size)), np.zeros(x.size)
+        for segment, here, local in self.system.lowered.segmentation.at(body, x):
+            total[:, here] += values(segment.body, local)
+            count[here] += 1.0
+        return total / count
+
+    def _rows(self, segment: str, local: Array, rows: Rows) -> Array:
+        index = self.system.lowered.body_index[segment]
+        return self._elastic(segment)[0] @ rows(self.system.beams[index], local).T
+
+    def _place_beam(self, name: str) -> Track:
+        """The frame of a beam in segments: the tangent at its start, or the line through both ends."""
+        start = self.point(name, "start")
+        if self.system.model.bodies[name].frame == "clamped":
+            return start
+        chord = self.point(name, "end").place - start.place
+        turned = np.angle(chord[0] * np.exp(-1j * start.angle[0]))
+        rate = chord[1] / chord[0]
+        change = chord[2] / chord[0] - rate**2
+        angle = np.stack([start.angle[0] + np.unwrap(turned), rate.imag, change.imag])
+        return Track(start.place, angle)
 
     def _place_body(self, name: str) -> Track:
         """The frame of a body from the point that its joint holds it at, and the joint's coordinates."""
@@ -113,7 +169,7 @@ class Motion:
         outer = self.point(*lowered.outer_point(link))
         inner = self._local(*lowered.inner_point(link))
         x, y, angle = (self._coordinate(index, d) for d in range(len(DIRECTIONS)))
-        axis = complex(*self.system.model.joints[link.joint].axis)
+        axis = complex(*lowered.model.joints[str(link.joint)].axis)
         joint = Track((x + 1j * y) * axis, angle)
         if link.forward:
             held = outer.followed_by(joint)
@@ -130,29 +186,40 @@ class Motion:
         if record.coordinate[d] >= 0:
             return self._jets[:, :, record.coordinate[d]]
         if record.driver[d] >= 0:
-            return self._signals[:, record.driver[d]].T
+            return self.signals[:, record.driver[d]].T
         return np.zeros((3, len(self.time)))
 
     def _local(self, body: str, point: str) -> Track:
         """A point in the frame of its body."""
-        model = self.system.model
+        model = self.system.lowered.model
         if body == "ground":
             place = model.ground.points[point]
             return self._still(complex(*place.at), place.angle)
         part = model.bodies[body]
-        if part.type == "rigid":
+        if not isinstance(part, Beam):
             place = part.points[point]
             return self._still(complex(*place.at), place.angle)
-        index = self.system.lowered.body_index[body]
-        beam, elastic, x = self.system.beams[index], self._elastic(index), part.points[point]
-        along = self._still(x, 0.0).place
-        if shortening := self.system.lowered.shortenings.get(index):
-            along += _drawn(elastic, shortening.nodal(shortening.at(x)))
-        return Track(along + 1j * (elastic @ beam.shape(x)), elastic @ beam.slope(x))
+        x = part.points[point]
+        slope = self._elastic(body) @ self.system.beams[self.system.lowered.body_index[body]].slope(x)
+        return Track(self._axis(body, np.array([x]))[..., 0], slope)
 
-    def _elastic(self, body: int) -> Array:
+    def _axis(self, body: str, x: Array) -> PlaneJet:
+        """Jets of points of a beam's axis in its frame, at positions x [m] (n,), shape (3, nt, n)."""
+        lowered = self.system.lowered
+        index = lowered.body_index[body]
+        elastic = self._elastic(body)
+        points = np.zeros((3, len(self.time), x.size), complex)
+        points.imag = elastic @ self.system.beams[index].shape(x).T
+        points[0] += x
+        if shortening := lowered.shortenings.get(index):
+            eta = shortening.amplitudes(elastic)
+            for k, position in enumerate(x):
+                points[..., k] += _drawn(eta, shortening.at(position))
+        return points
+
+    def _elastic(self, body: str) -> Array:
         """Jets of the elastic coordinates of a beam, shape (3, nt, nf)."""
-        record = self.system.planar.bodies[body]
+        record = self.system.planar.bodies[self.system.lowered.body_index[body]]
         return self._jets[:, :, record.first_q : record.first_q + record.nf]
 
     def _still(self, place: complex, angle: float) -> Track:
@@ -161,6 +228,6 @@ class Motion:
         return track
 
     @cached_property
-    def _signals(self) -> Array:
+    def signals(self) -> Array:
         """Value and two derivatives of every signal, shape (nt, signals, 3)."""
         return np.stack([self.system.reference.signals(t) for t in self.time])

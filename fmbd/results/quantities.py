@@ -1,19 +1,22 @@
 """What a run can be asked for: names of quantities, their units, how they follow from the results.
 
-    <coordinate>, .rate, .acceleration      generalised coordinates, `elbow.angle`, `rod.w1`, `motor.rotor`
+    <coordinate>, .rate, .acceleration      generalised coordinates, `elbow.angle`, `rod.w1`, `motor.rotor`; of a
+                                            beam in segments `rod.segment2.w3`, of node 3 in the segment's frame
     <joint>.<x|y|angle>, .rate, ...         all other joint coordinates, too: in closed loops, or driven
     <body>.<point>.position, .velocity, .acceleration       in the world; columns x and y
     <body>.<point>.angle, .angular_velocity, .angular_acceleration      of its axes; a beam's follow the slope
     <body>.angle, ...                       the same of the body's frame
-    <beam>.frame.position, ...              all six of the floating frame
+    <beam>.frame.position, ...              all six of the floating frame; of a beam in segments, those of the
+                                            tangent at its start, or of the chord if its frame is one
     <joint>.force, .moment                  what the joint's constraints put on the body of its first point,
                                             in the world's axes and about that point
     <joint>.<x|y>.driving_force, .angle.driving_moment      what moves a driven coordinate, positive along it
     <joint>.<x|y>.spring_force, .friction_force, .stop_force, .angle.spring_moment, ...     the same of these
-    <beam>.deflection, .slope               w and w' in the floating frame; columns are the nodes
+    <beam>.deflection, .slope               w and w' in that frame (in segments: the angle); columns are the nodes
     <beam>.bending_moment, .shear_force     EI w'' and (EI w'')'; columns are the nodes (see beams.bending)
+    <beam>.axial_force                      tension, by Newton's law on what lies beyond (see axial.py)
     <beam>.stress                           bending stress -E h/2 w'' in the fibre y = h/2
-    <beam>.<point>.deflection, ...          the same five at a point
+    <beam>.<point>.deflection, ...          the same six at a point
     <motor>.voltage, .current, .torque      input, armature current, torque on the rotor
     <motor>.transmission_torque             what gear or elastic shaft put on the joint
     <spring>.length, .rate, .force          tension, k (l - rest) + d l' if linear
@@ -33,7 +36,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fmbd.beams import FloatingBeam
 from fmbd.beams.bending import bending_moment, shear_force, upper_stress
 from fmbd.errors import UnknownQuantity
 from fmbd.model import Beam, Model
@@ -130,7 +132,7 @@ def _computed(model: Model) -> Named:
 
 
 TrackOf = Callable[["Run"], "Track"]
-Rows = Callable[[FloatingBeam, Array], Array]
+Along = Callable[["Run", Array], Array]
 
 
 def _point(body: str, point: str, run: "Run") -> "Track":
@@ -208,27 +210,31 @@ def _beam(name: str, beam: Beam) -> Named:
     nodes = tuple(f"node{k}" for k in range(len(beam.nodes)))
     places = {name: (np.array(beam.nodes), nodes)}
     places |= {f"{name}.{point}": (np.array([x]), ()) for point, x in beam.points.items()}
-    along: dict[str, tuple[str, Rows]] = {
-        "deflection": ("m", FloatingBeam.shape),
-        "slope": ("rad", FloatingBeam.slope),
-        "bending_moment": ("N m", bending_moment),
-        "shear_force": ("N", shear_force),
+    along: dict[str, tuple[str, Along]] = {
+        "deflection": ("m", lambda run, x: run.motion.deflection(name, x)),
+        "slope": ("rad", lambda run, x: run.motion.slope(name, x)),
+        "bending_moment": ("N m", lambda run, x: run.motion.along(name, x, bending_moment)),
+        "shear_force": ("N", lambda run, x: run.motion.along(name, x, shear_force)),
+        "axial_force": ("N", partial(_axial_force, name)),
     }
     if beam.youngs_modulus is not None and all(piece.height is not None for piece in beam.pieces):
-        along["stress"] = ("Pa", partial(upper_stress, youngs_modulus=beam.youngs_modulus))
+        stress = partial(upper_stress, youngs_modulus=beam.youngs_modulus)
+        along["stress"] = ("Pa", lambda run, x: run.motion.along(name, x, stress))
     for place, (x, columns) in places.items():
-        for quantity, (unit, rows) in along.items():
-            yield (
-                f"{place}.{quantity}",
-                Quantity(unit, partial(_along, name, x, rows, bool(columns)), columns),
-            )
+        for quantity, (unit, values) in along.items():
+            yield f"{place}.{quantity}", Quantity(unit, partial(_along, values, x, bool(columns)), columns)
 
 
-def _along(name: str, x: Array, rows: Rows, many: bool, run: "Run") -> Array:
-    """Rows at x [m] times the elastic coordinates: shape (nt, points), or (nt,) for one point."""
-    beam = run.system.beams[run.system.lowered.body_index[name]]
-    values = run.motion.elastic(name) @ rows(beam, x).T
-    return values if many else values[:, 0]
+def _axial_force(name: str, run: "Run", x: Array) -> Array:
+    from fmbd.results.axial import axial_force  # compiles what evaluates the forces
+
+    return axial_force(run.forces, name, x)
+
+
+def _along(values: Along, x: Array, many: bool, run: "Run") -> Array:
+    """Values at x [m]: shape (nt, points), or (nt,) for one point."""
+    found = values(run, x)
+    return found if many else found[:, 0]
 
 
 def _motor(model: Model, name: str) -> Named:

@@ -16,10 +16,13 @@ from fmbd.results.motion import Motion
 from fmbd.results.reader import Archive
 from fmbd.results.recording import Recording
 from fmbd.results.run import Run
+from fmbd.results.watch import Watch
 from fmbd.solvers.integrate import Block, Statistics, integrate, output_times
 from fmbd.system import System, assemble
 
 FRAMES = 300
+#: Output times at which the forces in beams are looked at.
+WATCHED = 300
 
 Array = np.ndarray
 
@@ -43,9 +46,10 @@ def simulate(
         model = load_model(model)
     system = assemble(model)
     times = output_times(model.simulation.duration, model.simulation.output_interval)
+    watch = Watch(system, _spread(times, WATCHED))
     if output is None:
         recording = Recording(**_columns(system))
-        _compute(system, times, recording, lambda block: None, on_progress)
+        _compute(system, times, recording, watch, lambda block: None, on_progress)
         return Run(recording, lambda: model, lambda: system)
     pictures = sketch(model)
     writer = ArchiveWriter(
@@ -56,15 +60,27 @@ def simulate(
         drawing=pictures.drawing if frames else None,
         **_columns(system),
     )
-    at = set(times[np.linspace(0, times.size - 1, min(frames, times.size)).round().astype(int)])
+    at = set(_spread(times, frames))
     with writer:
-        _compute(system, times, writer, lambda block: _draw(system, pictures, writer, block, at), on_progress)
+        _compute(
+            system,
+            times,
+            writer,
+            watch,
+            lambda block: _draw(system, pictures, writer, block, at),
+            on_progress,
+        )
     return Run(Archive(output), lambda: model, lambda: system)
 
 
 def not_run(system: System) -> Run:
     """The run of a system before it is run: without output times, but it knows the names of all quantities."""
     return Run(Recording(**_columns(system)), lambda: system.model, lambda: system)
+
+
+def _spread(times: Array, most: int) -> Array:
+    """So many of the output times, the first and the last among them."""
+    return times[np.linspace(0, times.size - 1, min(most, times.size)).round().astype(int)]
 
 
 def _columns(system: System) -> dict[str, list[tuple[str, str]]]:
@@ -93,6 +109,7 @@ def _compute(
     system: System,
     times: Array,
     record: ArchiveWriter | Recording,
+    watch: Watch,
     on_block: Callable[[Block], None],
     on_progress: Callable[[float], None] | None,
 ) -> None:
@@ -124,6 +141,7 @@ def _compute(
                 errors,
             )
             on_block(block)
+            watch.see(block)
             written += len(block.time)
             for name, values in (*errors.items(), ("energy_balance", block.energy["balance"])):
                 largest[name] = float(np.maximum(largest[name], np.abs(values).max()))
@@ -131,6 +149,7 @@ def _compute(
         record.finish(
             "complete" if complete else f"stopped: {statistics.reason}",
             _summary(system, statistics)
+            | {"warnings": "\n".join(watch.warnings())}
             | {f"largest_{name}": value for name, value in largest.items()}
             | {"wall_time": clock.perf_counter() - wall, "cpu_time": clock.process_time() - cpu},
         )

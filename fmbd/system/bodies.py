@@ -104,7 +104,7 @@ def lower_bodies(out: Any, distributed: Sequence[dict[str, Any]]) -> dict[str, A
         R = np.array(rows.rows)
         body.nrow, body.nf = R.shape
         body.row0, body.mode0, body.matrix0, body.gram0 = n_rows, n_modes, n_flat, n_gram
-        body.first_q = coordinate[f"{link.name}.{beam.dof_names[0]}"]
+        body.first_q = out.first_elastic[i]
         body.bend0, body.nbend = len(bends), len(rows.bends)
         body.bent = shortening.count if shortening else 0
         bends += rows.bends

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.planar.arrays import ANGLE
-from fmbd.system.lowered import Lowered, place_point
+from fmbd.system.lowered import Lowered
 
 Array = np.ndarray
 
@@ -67,7 +67,7 @@ class RigidMechanism:
             residual.append(wrap(value - wanted) if cut else value - wanted)
             rows.append(row)
         for name, place in places.items():
-            k = self.lowered.stations[place_point(self.lowered.model, name)]
+            k = self.lowered.stations[self.lowered.place_point(name)]
             residual += list(position[k] - np.asarray(place))
             rows += list(jacobian[k, :2])
         nq = self.lowered.planar.nq

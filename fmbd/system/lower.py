@@ -10,13 +10,16 @@ from typing import Any
 import numpy as np
 
 from fmbd.beams import FloatingBeam, Foreshortening, floating_beam
+from fmbd.beams.truncation import truncate
 from fmbd.model import Beam, Model, Placement
+from fmbd.model.beam import UpTo
 from fmbd.planar import arrays
 from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, records
 from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
 from fmbd.system.columns import place_columns
-from fmbd.system.lowered import Lowered, Term, place_point
+from fmbd.system.lowered import Lowered, Term
 from fmbd.system.motors import has_rotor, lower_motors, motor_coordinate, rotor_term
+from fmbd.system.segments import cut_beams
 from fmbd.system.tree import Link, Tree, spanning_tree
 
 #: Elements of one beam, and output times of one run.
@@ -27,7 +30,11 @@ MAX_OUTPUTS = 10_000_000
 def lower(model: Model) -> Lowered:
     """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground, or too large a job."""
     _check_size(model)
-    out = Lowered(model, _tree(model))
+    segmentation = cut_beams(model)
+    whole = tree = _tree(model, [name for name, joint in model.joints.items() if joint.cut])
+    if segmentation.model is not model:
+        tree = _tree(segmentation.model, whole.cut)  # loops are not closed within a beam
+    out = Lowered(segmentation, tree, whole)
     _name_bodies(out)
     _joints(out)
     _places(out)
@@ -42,8 +49,8 @@ def lower(model: Model) -> Lowered:
 def _check_size(model: Model) -> None:
     """Refuse what would fill the memory: a beam's modal basis is a dense matrix, output times are an array."""
     for name, body in model.bodies.items():
-        if isinstance(body, Beam) and len(body.nodes) - 1 > MAX_ELEMENTS:
-            text = f"{len(body.nodes) - 1} elements are more than a beam can have ({MAX_ELEMENTS})"
+        if isinstance(body, Beam) and len(body.nodes) - 1 > MAX_ELEMENTS * body.segments:
+            text = f"{len(body.nodes) - 1} elements are more than a beam can have ({MAX_ELEMENTS} a segment)"
             raise model.error(("bodies", name, "elements"), text)
     simulation = model.simulation
     if simulation.duration / simulation.output_interval > MAX_OUTPUTS:
@@ -54,9 +61,8 @@ def _check_size(model: Model) -> None:
         )
 
 
-def _tree(model: Model) -> Tree:
+def _tree(model: Model, marked: Sequence[str]) -> Tree:
     joints = {n: (j.between[0].body, j.between[1].body) for n, j in model.joints.items()}
-    marked = [n for n, j in model.joints.items() if j.cut]
     rotors = {n: (m.joint, joints[m.joint][0]) for n, m in model.motors.items() if has_rotor(m)}
     tree, loose = spanning_tree(list(model.bodies), joints, marked, rotors)
     if loose:
@@ -70,6 +76,7 @@ def _tree(model: Model) -> Tree:
 
 def _name_bodies(out: Lowered) -> None:
     """Number bodies and coordinates; build the beams."""
+    segments = {part.body: (name, part) for name, parts in out.segmentation.beams.items() for part in parts}
     for i, link in enumerate(out.tree.links):
         out.body_index[link.name] = i
         if link.joint is None:
@@ -81,33 +88,53 @@ def _name_bodies(out: Lowered) -> None:
                 out.coordinates.append((f"{link.joint}.{direction}", "rad" if direction == "angle" else "m"))
         body = out.model.bodies[link.name]
         if isinstance(body, Beam):
+            name, segment = segments[link.name]
             masses = [(body.points[point], m.mass, m.inertia) for point, m in body.point_masses.items()]
             beam = floating_beam(body.pieces, np.asarray(body.nodes, float), body.frame, masses)
+            if body.modes != "all":
+                count = _count_modes(out.model, link.name, body.modes, beam)
+                out.truncations[link.name] = truncate(beam, count)
+                beam = out.truncations[link.name].beam
             out.beams[i] = beam
             out.psi[i], out.omega2[i] = beam.modal_basis()
             if body.foreshortening:
-                _check_start(out, link, beam)
+                _check_frame(out, link, beam, name)
                 out.shortenings[i] = Foreshortening.of(beam, out.psi[i])
             out.modal_damping[i] = _modal_damping(body.damping, out.omega2[i])
-            units = {"w": "m", "slope": "rad"}
+            out.first_elastic[i] = len(out.coordinates)
             out.coordinates += [
-                (f"{link.name}.{name}", units[kind])
-                for name, kind in zip(beam.dof_names, beam.dof_kinds, strict=True)
+                (f"{link.name}.{own}", unit) for own, unit in beam.coordinates(segment.first_node)
             ]
 
 
-def _check_start(out: Lowered, link: Link, beam: FloatingBeam) -> None:
-    """Refuse a frame that a cross-section without inertia turns freely: inertia to second order loses it."""
+def _count_modes(model: Model, name: str, modes: int | UpTo, beam: FloatingBeam) -> int:
+    """How many modes of a beam are kept."""
+    if isinstance(modes, int):
+        return modes
+    frequencies = np.sqrt(beam.modal_basis()[1]) / (2.0 * np.pi)
+    count = int((frequencies <= modes.up_to).sum())
+    if count == 0:
+        text = f"no mode is left: the first has {frequencies[0]:.4g} Hz"
+        raise model.error(("bodies", name, "modes", "up_to"), text)
+    return count
+
+
+def _check_frame(out: Lowered, link: Link, beam: FloatingBeam, name: str) -> None:
+    """Refuse a frame that turns with a cross-section of next to no inertia: inertia to second order loses it."""
+    clamped = beam.frame == "clamped"
     body, point = out.inner_point(link)
     turning = beam.inertia - beam.p @ np.linalg.solve(beam.M, beam.p)
-    if out.model.bodies[body].points[point] == 0.0:
+    if clamped and out.model.bodies[body].points[point] == 0.0:
         turning += _inertia_before(out, link)
     if turning < 0.01 * beam.inertia:
-        raise out.model.error(
-            ("bodies", link.name, "foreshortening"),
+        text = (
             "a beam whose start may turn by itself needs `frame: chord` for it: "
-            "a clamped frame follows the cross-section at the start, which has no inertia",
+            "a clamped frame follows the cross-section at the start, which has no inertia"
+            if clamped
+            else "the elements are too small for it: a chord follows the ends of the beam, or of its segments, "
+            "which have next to no inertia; give it fewer elements, or more segments"
         )
+        raise out.model.error(("bodies", name, "foreshortening"), text)
 
 
 def _inertia_before(out: Lowered, link: Link) -> float:
@@ -160,7 +187,7 @@ def _places(out: Lowered) -> None:
     ]
     for places in (out.model.initial.place, *targets):
         for name in places:
-            out.station(*place_point(out.model, name))
+            out.station(*out.place_point(name))
 
 
 def _springs(out: Lowered) -> None:

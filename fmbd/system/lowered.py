@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 
 from fmbd.beams import FloatingBeam, Foreshortening
+from fmbd.beams.truncation import Truncation
 from fmbd.model import Model
 from fmbd.planar.arrays import ALONG_X, ALONG_Y, ANGLE, Planar
+from fmbd.system.segments import Segmentation
 from fmbd.system.signals import SignalTable
 from fmbd.system.springs import SpringTable
 from fmbd.system.tree import Link, Tree
@@ -17,13 +19,19 @@ Term = tuple[int, tuple[str, str], tuple[str, str], tuple[float, float], float]
 
 @dataclass
 class Lowered:
-    """Names and tables collected on the way; `planar` is complete when `lower` returns."""
+    """Names and tables collected on the way; `planar` is complete when `lower` returns.
 
-    model: Model
+    `whole` is the tree of the model as written, in which every beam is one body.
+    """
+
+    segmentation: Segmentation
     tree: Tree
+    whole: Tree
     signals: SignalTable = field(default_factory=SignalTable)
     body_index: dict[str, int] = field(default_factory=dict)
     beams: dict[int, FloatingBeam] = field(default_factory=dict)
+    first_elastic: dict[int, int] = field(default_factory=dict)  # the first coordinate of each beam
+    truncations: dict[str, Truncation] = field(default_factory=dict)  # by beam
     psi: dict[int, np.ndarray] = field(default_factory=dict)
     omega2: dict[int, np.ndarray] = field(default_factory=dict)
     shortenings: dict[int, Foreshortening] = field(default_factory=dict)  # of the beams that shorten
@@ -44,6 +52,11 @@ class Lowered:
     turns: dict[str, float] = field(default_factory=dict)  # what the angle of a cut joint is counted from
     relaxed: list[int] = field(default_factory=list)  # pathways that are zero at the start
     planar: Planar = None  # type: ignore[assignment]
+
+    @property
+    def model(self) -> Model:
+        """The model that is lowered: its beams are cut into segments."""
+        return self.segmentation.model
 
     def outer_point(self, link: Link) -> tuple[str, str]:
         """Body and point of the parent's side of the joint that carries a body."""
@@ -94,11 +107,10 @@ class Lowered:
         a, b = (self.station(ref.body, ref.point) for ref in joint.between)
         return kind, a, b, joint.axis if kind != ANGLE else (1.0, 0.0), coefficient
 
-
-def place_point(model: Model, name: str) -> tuple[str, str]:
-    """Body and point that a `place` entry names: a joint (its first point) or body.point."""
-    if name in model.joints:
-        ref = model.joints[name].between[0]
-        return ref.body, ref.point
-    body, point = name.split(".")
-    return body, point
+    def place_point(self, name: str) -> tuple[str, str]:
+        """Body and point that a `place` entry names: a joint (its first point) or body.point."""
+        if name in self.model.joints:
+            ref = self.model.joints[name].between[0]
+            return ref.body, ref.point
+        body, point = name.split(".")
+        return self.segmentation.place(body, point)

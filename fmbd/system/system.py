@@ -11,7 +11,7 @@ from fmbd.planar.arrays import Planar, Work, allocate
 from fmbd.system.closure import RigidMechanism
 from fmbd.system.drives import check_drives
 from fmbd.system.lower import lower
-from fmbd.system.lowered import Lowered, place_point
+from fmbd.system.lowered import Lowered
 from fmbd.system.matrices import Matrices, matrices
 from fmbd.system.reference import Reference
 from fmbd.system.start import Start, set_targets, solve_start
@@ -24,7 +24,8 @@ Array = np.ndarray
 class System:
     """Generalised coordinates, arrays and start of a mechanism.
 
-    Outside the kernels all elastic coordinates are nodal; `to_modal` and `to_nodal` change the basis.
+    Outside the kernels all elastic coordinates are nodal; `to_modal` and `to_nodal` change the basis. Bodies are
+    those of `tree`: a beam in segments is several of them (see system.segments).
     """
 
     model: Any
@@ -98,7 +99,7 @@ class System:
 
     def station_of_place(self, name: str) -> int:
         """Station index of a joint's first point or of body.point."""
-        return self.lowered.stations[place_point(self.model, name)]
+        return self.lowered.stations[self.lowered.place_point(name)]
 
     def to_modal(self, q: Array) -> Array:
         """Nodal to modal elastic coordinates: eta = Psi^T M e; shape (..., nq)."""

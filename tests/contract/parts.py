@@ -205,8 +205,16 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     "loads.distributed following": _load(
         'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], frame: following', BEAM
     ),
+    "loads.distributed segments": _load(
+        'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], from: 0.05, to: 0.33',
+        f"{BEAM}, segments: 2",
+    ),
     "loads.distributed foreshortened": _load(
         'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], from: 0.05, to: 0.33', SHORTENING
+    ),
+    "loads.distributed foreshortened segments": _load(
+        'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], from: 0.05, to: 0.33',
+        f"{SHORTENING}, segments: 2",
     ),
     "loads.distributed following foreshortened": _load(
         'type: distributed, "on": arm, force: [4, "-5*cos(3*t)"], frame: following', SHORTENING
@@ -264,11 +272,27 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     "bodies.beam chord": _body(
         f"{BEAM}, frame: chord, point_masses: {{start: {{mass: 0.1, inertia: 0.02}}, hand: 0.3}}"
     ),
+    "bodies.beam segments": _body(
+        f"{BEAM}, segments: 2, point_masses: {{start: 0.1, tip: {{mass: 0.2, inertia: 0.01}}, hand: 0.3}}"
+    ),
+    "bodies.beam segments damped": _body(
+        f"{TAPERED}, segments: 2, damping: {{stiffness_proportional: 1e-2}}", "dissipated", FOAM
+    ),
+    "bodies.beam modes": _body(
+        f"{BEAM}, modes: 2, point_masses: {{start: 0.1, tip: {{mass: 0.2, inertia: 0.01}}, hand: 0.3}}"
+    ),
+    "bodies.beam modes damped": _body(
+        f"{BEAM}, frame: chord, modes: {{up_to: 200}}, damping: {{modal_ratios: [0.1, 0.05]}}", "dissipated"
+    ),
     "bodies.beam damped": _body(
         f"{BEAM}, damping: {{stiffness_proportional: 1e-2, modal_ratios: [0.1, 0.05]}}", "dissipated"
     ),
     "bodies.beam mass damped": _body(f"{BEAM}, damping: {{mass_proportional: 20}}", "dissipated"),
     "bodies.beam tapered": _body(TAPERED, more=FOAM),
+    "bodies.beam foreshortened segments": _body(
+        f"{SHORTENING}, segments: 2, point_masses: {{tip: {{mass: 0.1, inertia: 0.02}}, hand: 0.1}}"
+    ),
+    "bodies.beam foreshortened modes": _body(f"{SHORTENING}, modes: 2, point_masses: {{hand: 0.1}}"),
     "bodies.beam foreshortened": _body(
         f"{SHORTENING}, point_masses: {{tip: {{mass: 0.1, inertia: 0.02}}, hand: 0.1}}"
     ),

@@ -36,8 +36,8 @@ def _duals(system: System, points: Sequence[str], q: Array, t: complex) -> Array
     frames = system.reference.frames(q, np.asarray(t))[0]
     out = []
     for name in points:
-        body, point = name.split(".")
-        index, part = system.lowered.body_index[body], system.model.bodies[body]
+        body, point = system.lowered.segmentation.place(*name.split("."))
+        index, part = system.lowered.body_index[body], system.lowered.model.bodies[body]
         local = np.zeros((2, q.size + 2), complex)
         if isinstance(part, Beam):
             own = system.reference.inertia.elastic[index]

@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 from test_two_formulations import EVERYTHING
 
 import fmbd
-from fmbd.model import load_model_text
+from fmbd.model import Beam, load_model_text
+from fmbd.results.axial import axial_forces
 
 MODELS = Path(__file__).parents[2] / "models"
 DERIVATIVES = {
@@ -174,3 +175,71 @@ def test_multipliers_of_a_stabilised_run_are_those_of_its_joint_forces() -> None
     run = fmbd.simulate(fmbd.load_model(MODELS / "five_bar.yaml", changes))
     assert run["constraint_error"][0] > 1e-5
     assert_allclose(run["effector.force"], run.multipliers, rtol=1e-9)
+
+
+@pytest.mark.parametrize("segments", [1, 2])
+def test_axial_forces_balance_along_every_beam(segments: int) -> None:
+    """All that acts on a beam of a mechanism with all parts, summed up from its end, leaves nothing at its start.
+
+    Springs, motors, loads, loops, reversed and driven joints are among what acts; accelerations are those of a run.
+    """
+    text = (
+        EVERYTHING.replace("LIMIT", "1e3")
+        + "simulation: {duration: 0.01, output_interval: 1e-3, rtol: 1e-11}\n"
+    )
+    changes = {f"bodies.{name}.damping": {"stiffness_proportional": 1e-3} for name in ("arm", "rod")}
+    changes |= {f"bodies.{name}.segments": segments for name in ("arm", "rod")}
+    model = load_model_text(text, overrides=changes)
+    run = fmbd.simulate(model)
+    beams = [name for name, body in model.bodies.items() if isinstance(body, Beam)]
+    assert len(beams) > 1
+    for name in beams:
+        x = np.array(model.bodies[name].nodes)
+        before, after = axial_forces(run.forces, name, x)
+        assert np.abs(after).max() > 1e-2
+        assert_allclose(before[:, 0], 0, atol=1e-8 * max(1.0, np.abs(after).max()))
+        assert_allclose(after[:, -1], 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("segments", [1, 2])
+def test_axial_forces_balance_along_beams_that_shorten(segments: int) -> None:
+    """The same of the rods of a five-bar: forces act where the points are, drawn along by up to 2e-6 m."""
+    rods = {"foreshortening": True, "frame": "chord", "elements": 2, "segments": segments}
+    changes = {f"bodies.rod_{side}.{key}": value for side in ("right", "left") for key, value in rods.items()}
+    changes |= {"simulation.duration": 0.05, "simulation.output_interval": 5e-3}
+    model = fmbd.load_model(MODELS / "five_bar.yaml", changes)
+    run = fmbd.simulate(model)
+    for name in ("rod_right", "rod_left"):
+        before, after = axial_forces(run.forces, name, np.array(model.bodies[name].nodes))
+        assert np.abs(after).max() > 1
+        assert_allclose(before[:, 0], 0, atol=1e-11)
+
+
+TURNING = """
+fmbd: 1
+gravity: [0, -9.81]
+bodies:
+  rod: {type: beam, length: 0.8, elements: 4, mass_per_length: 0.9, bending_stiffness: 30,
+        points: {middle: 0.3}, point_masses: {end: 0.5}}
+joints: {hinge: {type: revolute, between: [ground.origin, rod.start]}}
+initial: {joints: {hinge: -pi/2}, rates: {hinge: 3}}
+simulation: {duration: 1e-4}
+"""
+
+
+@pytest.mark.parametrize("foreshortening", [False, True])
+@pytest.mark.parametrize("segments", [1, 4])
+def test_axial_force_of_a_hanging_rod_that_swings(segments: int, foreshortening: bool) -> None:
+    """At the lowest point: weight and centrifugal force of what lies beyond, 0.5 kg at the end and 0.9 kg/m."""
+    changes = {"segments": segments, "foreshortening": foreshortening, "frame": "chord"}
+    overrides = {f"bodies.rod.{key}": value for key, value in changes.items()}
+    run = fmbd.simulate(load_model_text(TURNING, overrides=overrides))
+
+    def expected(x):
+        return 0.5 * (9.81 + 9 * 0.8) + 0.9 * (9.81 * (0.8 - x) + 9 * (0.8**2 - x**2) / 2)
+
+    nodes = np.array([0, 0.2, 0.4, 0.6, 0.8])
+    assert_allclose(run["rod.axial_force"][0], expected(nodes), rtol=1e-12)
+    assert_allclose(run["rod.middle.axial_force"][0], expected(0.3), rtol=1e-12)
+    assert_allclose(run["rod.axial_force"][0, 0], -run["hinge.force"][0, 1], rtol=1e-12)
+    assert run.units("rod.axial_force") == "N"

@@ -88,16 +88,22 @@ def test_matrices_and_recursion_are_one_model(limit):
         assert_allclose(multipliers, multipliers_too, rtol=1e-9)
 
 
-def test_beams_that_shorten_are_one_model_too():
-    """The same with foreshortening, at deflections that are small against the lengths."""
+@pytest.mark.parametrize(
+    ("changes", "shortened", "size"),
+    [({}, 2, 0.005), ({"segments": 2, "damping": {}}, 4, 0.005), ({"modes": 3}, 2, 0.0005)],
+    ids=["whole", "segments", "modes"],
+)
+def test_beams_that_shorten_are_one_model_too(changes, shortened, size):
+    """The same with foreshortening, at deflections that are small against the lengths; in segments, of few modes."""
     text = EVERYTHING.replace("LIMIT", "0.5")
     text = text.replace("frame: chord,", "frame: chord, foreshortening: true,")
     text = text.replace("elements: 2,", "elements: 2, frame: chord, foreshortening: true,")
-    system = assemble(load_model_text(text))
-    assert np.count_nonzero(system.planar.bodies.axial >= 0) == 2
+    overrides = {f"bodies.{beam}.{key}": value for beam in ("arm", "rod") for key, value in changes.items()}
+    system = assemble(load_model_text(text, overrides=overrides))
+    assert np.count_nonzero(system.planar.bodies.axial >= 0) == shortened
     rng = np.random.default_rng(7)
     for t in (0.0, 0.37, 2.4):
-        sizes = np.where(system.elastic, 0.005, 0.1)
+        sizes = np.where(system.elastic, size, 0.1)
         q, v = system.start.q + sizes * rng.normal(size=sizes.size), rng.normal(size=sizes.size)
         z = rng.normal(size=len(system.states))
         acceleration, multipliers = system.matrices(q, v, t, z).accelerations()

@@ -12,6 +12,7 @@ from scipy.linalg import expm
 from simulation import load
 
 import fmbd
+from fmbd.model import load_model_text
 
 SIDES = ("right", "left")
 
@@ -63,6 +64,32 @@ def sprung_five_bar(place):
     changes = {"motors": {}, "controllers": {}, "gravity": [0, 0], "initial.place": {"effector": place}}
     changes |= {"simulation.duration": 0.2, "simulation.rtol": 1e-11, "simulation.atol": 1e-14}
     return load("five_bar.yaml", springs | changes)
+
+
+TWO_BEAMS = """
+fmbd: 1
+gravity: [0, 0]
+bodies:
+  arm: {type: beam, length: 0.5, elements: 2, mass_per_length: 1, bending_stiffness: 30}
+  rod: {type: beam, length: 1, elements: 4, mass_per_length: 1, bending_stiffness: 30}
+joints:
+  shoulder: {type: weld, between: [ground.origin, arm.start]}
+  elbow: {type: weld, between: [arm.end, rod.start]}
+loads:
+  wind: {type: distributed, "on": rod, force: [0, 0], from: 0.1, to: 0.9}
+  push: {type: force, at: rod.end, force: [0, 0]}
+  rain: {type: distributed, "on": arm, force: [0, 0]}
+"""
+
+
+@pytest.mark.parametrize("segments", [1, 2])
+def test_distributed_loads_on_several_beams_or_segments(segments):
+    """Deflection of a cantilever of both lengths by q, from a to b: q x^2 (3 L - x) / 6 EI, integrated over x."""
+    model = load_model_text(TWO_BEAMS, overrides={"bodies.*.segments": segments})
+    found = fmbd.linearize(model, inputs=["wind.force.y", "rain.force.y"], outputs=["rod.end.position.y"])
+    primitive = np.poly1d([-1, 3 * 1.5, 0, 0]).integ() / (6 * 30)
+    expected = [primitive(1.4) - primitive(0.6), primitive(0.5)]
+    assert_allclose(found.gain()[0], expected, rtol=1e-6)
 
 
 def test_the_five_bar_settles_as_its_modes_say():

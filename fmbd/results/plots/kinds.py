@@ -47,11 +47,10 @@ def beams(run: "Run") -> Sequence[Row]:
     deflections, slopes = [], []
     for name, beam in _beams(run):
         middle = beam.frame == "chord"
-        shapes = run.system.beams[run.system.lowered.body_index[name]]
-        elastic = run.motion.elastic(name)
-        at = beam.length / 2.0 if middle else beam.length
-        deflections.append((f"{name}, middle" if middle else name, elastic @ shapes.shape(at)))
-        slopes.append((f"{name}, end" if middle else name, elastic @ shapes.slope(beam.length)))
+        end = np.array([beam.length])
+        at = end / 2.0 if middle else end
+        deflections.append((f"{name}, middle" if middle else name, run.motion.deflection(name, at)[:, 0]))
+        slopes.append((f"{name}, end" if middle else name, run.motion.slope(name, end)[:, 0]))
     if not deflections:
         return []
     return [
@@ -110,8 +109,7 @@ def shapes(run: "Run") -> Sequence[Row]:
     found = []
     for name, beam in _beams(run):
         x = np.linspace(0.0, beam.length, STATIONS)
-        shape = run.system.beams[run.system.lowered.body_index[name]].shape(x)
-        found.append((name, x, run.motion.elastic(name)[rows] @ shape.T))
+        found.append((name, x, run.motion.deflection(name, x)[rows]))
     least = sorted((np.abs(deflection).max() for *_, deflection in found), reverse=True)[:MOST_BEAMS]
     return [
         (Panel("deflection", "m", _instants(run.time[rows], x, deflection), title=name, together="family"),)

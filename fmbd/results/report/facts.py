@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam
 from fmbd.model import Beam
 from fmbd.model.writing import yaml_text
 from fmbd.results.course import course
@@ -30,7 +29,6 @@ SECTIONS = {
 SETTINGS = ("gravity", "ground", "initial", "simulation")
 
 #: Beyond these a user should mind: deflection against length, energy lost against energy moved.
-LARGE_DEFLECTION = 0.1
 LARGE_LOSS = 1e-3
 
 
@@ -124,14 +122,7 @@ def warnings(run: "Run") -> list[str]:
     if run.status != "complete":
         found.append(f"The run is not complete: {run.status}.")
     found += [remark for remark in str(run.statistics.get("remarks", "")).splitlines() if remark]
-    for name, beam in run.model.bodies.items():
-        if isinstance(beam, Beam):
-            shapes: FloatingBeam = run.system.beams[run.system.lowered.body_index[name]]
-            largest = float(np.abs(run.motion.elastic(name) @ shapes.shape(np.array(beam.nodes)).T).max())
-            if largest > LARGE_DEFLECTION * beam.length:
-                found.append(
-                    f"{name} bends by {largest / beam.length:.0%} of its length: more than linear beams stand for."
-                )
+    found += [warning for warning in str(run.statistics.get("warnings", "")).splitlines() if warning]
     moved = max(float(np.ptp(run.energy[name])) for name in ENERGIES if name != "balance")
     lost = float(np.abs(run.energy["balance"]).max())
     if lost > LARGE_LOSS * moved:
