@@ -24,6 +24,7 @@ from fmbd.results.course import course
 
 if TYPE_CHECKING:
     from fmbd.model import Model
+    from fmbd.model.simulation import Simulation
     from fmbd.results.run import Run
 
 SUFFIX = ".vtkhdf"
@@ -112,6 +113,14 @@ def _progress(model: "Model", quiet: bool) -> Iterator[Callable[[float], None] |
         yield lambda reached: bar.update(task, completed=reached)
 
 
+def _accuracy(simulation: "Simulation") -> str:
+    """What sets the steps."""
+    step = simulation.generalized_alpha.step
+    if simulation.method == "generalized_alpha" and step is not None:
+        return f"steps of {step:g} s"
+    return f"rtol {simulation.rtol:g}, atol {simulation.atol:g}"
+
+
 def _method(run: "Run") -> str:
     picked = run.statistics.get("choice")
     return f"auto: {picked}" if picked else run.model.simulation.method
@@ -122,7 +131,7 @@ def _summarise(run: "Run", output: Path) -> None:
     size = output.stat().st_size / 1e6
     show(f"{run.model.name}: {run.status}", style="bold")
     rows = [
-        ("method", f"{_method(run)}, rtol {simulation.rtol:g}, atol {simulation.atol:g}"),
+        ("method", f"{_method(run)}, {_accuracy(simulation)}"),
         (
             "simulated",
             f"{run.statistics['time_reached']:g} of {simulation.duration:g} s, {len(run.time)} outputs",

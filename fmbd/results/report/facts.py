@@ -28,7 +28,7 @@ SECTIONS = {
 }
 SETTINGS = ("gravity", "ground", "initial", "simulation")
 
-#: Beyond these a user should mind: deflection against length, energy lost against energy moved.
+#: Energy lost, against energy moved, that a user should mind.
 LARGE_LOSS = 1e-3
 
 
@@ -111,7 +111,7 @@ def statistics(run: "Run") -> str:
         ("status", run.status),
         ("simulated", f"{run.time[-1]:g} of {simulation.duration:g} s, {len(run.time)} outputs"),
         ("method", f"{method}, rtol {simulation.rtol:g}, atol {simulation.atol:g}"),
-        *((label, text) for label, text in course(s) if label != "remark"),
+        *((label, text) for label, text in course(s) if label not in ("remark", "warning")),
     ]
     return table((), rows)
 
