@@ -138,6 +138,7 @@ def test_static_deflections_of_the_held_five_bar():
     assert_allclose(tips, [-1.140e-3, 1.228e-3], rtol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of Exudyn itself
 def test_the_five_bar_moves_as_in_exudyn():
     """The move of 3 s beside ANCF cable beams, 8 elements a rod: tips from the tangents at the roots, end point.
 
