@@ -167,7 +167,9 @@ def draw(data: dict[str, Any], path: Path) -> None:
             label=name,
         )
     left.set(xlabel="elements a link", ylabel="CPU time [us]", title="five-bar: a step, an acceleration")
-    left.legend()
+    # room for the names above the curves
+    left.set_ylim(top=300.0 * left.get_ylim()[1])
+    left.legend(loc="upper left", ncols=2)
     for k, (name, family) in enumerate(data["families"].items()):
         N, measured = np.array(family["N"]), 1e6 * np.array(family["acceleration"])
         a, b = 1e6 * family["a"], 1e6 * family["b"]
