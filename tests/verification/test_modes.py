@@ -5,25 +5,14 @@ import json
 
 import numpy as np
 import pytest
-import yaml
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq, fsolve
-from simulation import load
+from simulation import G, load, model, revolute, table_on_three_cranks
 
 import fmbd
-from fmbd.model import load_model_text
 
-G = 9.81
 BALL = {"type": "rigid", "mass": 2, "inertia": 0.1}
 UNDAMPED = {"motors.*.transmission.damping": 0, "gravity": [0, 0]}
-
-
-def model(**parts):
-    return load_model_text(yaml.safe_dump({"fmbd": 1, **parts}, sort_keys=False))
-
-
-def revolute(a, b, **more):
-    return {"type": "revolute", "between": [a, b], **more}
 
 
 def bob(length, mass=1.0):
@@ -238,19 +227,7 @@ def test_a_four_bar_on_a_spring():
 
 def test_a_table_on_three_cranks():
     """A redundant crank changes nothing: omega^2 = (k - m g l sin(angle)) / (m l^2 + 3 J)."""
-    crank = {"type": "rigid", "mass": 1, "inertia": 0.1, "points": {"end": [0.5, 0]}}
-    table = {"type": "rigid", "mass": 3, "inertia": 0.1, "points": {f"H{k}": [k, 0] for k in range(3)}}
-    feet = {f"foot{k}": revolute(f"ground.F{k}", f"crank{k}.origin") for k in range(3)}
-    feet["foot1"]["spring"] = {"stiffness": 40, "rest": 1.2}
-    found = fmbd.modes(
-        model(
-            gravity=[0, -G],
-            ground={"points": {f"F{k}": [k, 0] for k in range(3)}},
-            bodies={f"crank{k}": crank for k in range(3)} | {"table": table},
-            joints=feet | {f"head{k}": revolute(f"crank{k}.end", f"table.H{k}") for k in range(3)},
-            initial={"joints": {"foot0": 1.0}},
-        )
-    )
+    found = fmbd.modes(table_on_three_cranks())
     angle = brentq(lambda a: 40 * (a - 1.2) + 3 * G * 0.5 * np.cos(a), 0, 2)
     omega2 = (40 - 3 * G * 0.5 * np.sin(angle)) / (3 * 0.25 + 3 * 0.1)
     assert_allclose((2 * np.pi * found.frequencies) ** 2, [omega2], rtol=1e-9)

@@ -2,25 +2,14 @@
 
 import numpy as np
 import pytest
-import yaml
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
-from simulation import load
+from simulation import G, load, model, revolute, table_on_three_cranks
 
 import fmbd
-from fmbd.model import load_model_text
 
-G = 9.81
 ROD = {"type": "rigid", "mass": 2, "inertia": 0.1, "center_of_mass": [0.3, 0], "points": {"end": [0.6, 0]}}
 MASS = {"type": "rigid", "mass": 2, "inertia": 0.1}
-
-
-def model(**parts):
-    return load_model_text(yaml.safe_dump({"fmbd": 1, **parts}, sort_keys=False))
-
-
-def revolute(a, b, **more):
-    return {"type": "revolute", "between": [a, b], **more}
 
 
 def pendulum(angle, **joint):
@@ -119,19 +108,7 @@ def test_a_pendulum_on_a_spring():
 
 def test_a_table_on_three_cranks():
     """One crank is redundant: k (angle - rest) + m g l cos(angle) = 0."""
-    crank = {"type": "rigid", "mass": 1, "inertia": 0.1, "points": {"end": [0.5, 0]}}
-    table = {"type": "rigid", "mass": 3, "inertia": 0.1, "points": {f"H{k}": [k, 0] for k in range(3)}}
-    feet = {f"foot{k}": revolute(f"ground.F{k}", f"crank{k}.origin") for k in range(3)}
-    feet["foot1"]["spring"] = {"stiffness": 40, "rest": 1.2}
-    rest = fmbd.equilibrium(
-        model(
-            gravity=[0, -G],
-            ground={"points": {f"F{k}": [k, 0] for k in range(3)}},
-            bodies={f"crank{k}": crank for k in range(3)} | {"table": table},
-            joints=feet | {f"head{k}": revolute(f"crank{k}.end", f"table.H{k}") for k in range(3)},
-            initial={"joints": {"foot0": 1.0}},
-        )
-    )
+    rest = fmbd.equilibrium(table_on_three_cranks())
     exact = brentq(lambda a: 40 * (a - 1.2) + 3 * G * 0.5 * np.cos(a), 0, 2)
     assert_allclose([rest[f"foot{k}.angle"] for k in range(3)], exact, rtol=1e-10)
     carried = sum(rest[f"foot{k}.force"] for k in range(3))
