@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, SupportsFloat
@@ -143,8 +143,10 @@ def compiling_announced(quiet: bool = False) -> Iterator[None]:
 
 
 @contextmanager
-def share_bar(what: str, quiet: bool = False) -> Iterator[Callable[[float], None] | None]:
-    """A bar of the share that is done, on a terminal."""
+def progress_bar(
+    what: str, total: float = 1.0, reached: str = "", quiet: bool = False
+) -> Iterator[Callable[[float], None] | None]:
+    """A bar with the time left, on a terminal; `reached` is a format of how far {task.completed} of the total is."""
     if quiet or not sys.stderr.isatty():
         yield None
         return
@@ -154,12 +156,34 @@ def share_bar(what: str, quiet: bool = False) -> Iterator[Callable[[float], None
         TextColumn("{task.description}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
+        *([TextColumn(reached)] if reached else []),
         TimeRemainingColumn(),
         TextColumn("left"),
     )
     with Progress(*columns, console=terminal(stderr=True), transient=True) as bar:
-        task = bar.add_task(what, total=1.0)
-        yield lambda share: bar.update(task, completed=share)
+        task = bar.add_task(what, total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
+def add_output(parser: argparse.ArgumentParser, what: str, kinds: Sequence[str]) -> None:
+    """The argument -o of a command that writes a table of data in one of several formats."""
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=suffixed(*kinds),
+        help=f"write {what} ({', '.join(kinds)})",
+    )
+
+
+def write_output(output: Path | None, data: Mapping[str, Any], table: Iterable[Sequence[Any]]) -> None:
+    """Write the file of -o, if it was asked for."""
+    from fmbd.results.files import write_data
+
+    if output:
+        with replacing(output) as file:
+            write_data(file, output.suffix.lower(), data, table)
+        show("", f"wrote {output}")
 
 
 def suffixed(*suffixes: str) -> Callable[[str], Path]:

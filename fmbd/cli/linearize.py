@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 from fmbd.cli.common import (
     DONE,
     add_model,
+    add_output,
     add_rest,
     columns,
     compiling_announced,
     facts,
     number,
     read_model,
-    replacing,
     show,
     shown,
-    suffixed,
+    write_output,
 )
 from fmbd.cli.modes import about_facts, add_about
 
@@ -62,13 +62,7 @@ def add(commands: Any) -> None:
         type=_range,
         help=f"print gain and phase at N frequencies [Hz] (default {POINTS}), evenly on a logarithmic scale",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        type=suffixed(*KINDS),
-        help=f"write A, B, C, D, the names, and the response of --bode ({', '.join(KINDS)})",
-    )
+    add_output(parser, "A, B, C, D, the names, and the response of --bode", KINDS)
     parser.set_defaults(command=_linearize)
 
 
@@ -90,7 +84,6 @@ def _range(text: str) -> "NDArray[Any]":
 
 def _linearize(args: argparse.Namespace) -> int:
     from fmbd.analyses.state_space import linearize
-    from fmbd.results.files import write_data
 
     model = read_model(args)
     with compiling_announced():
@@ -115,10 +108,7 @@ def _linearize(args: argparse.Namespace) -> int:
     else:
         for k, (name, unit) in enumerate(space.inputs):
             show("", f"response to {name} [{unit}]: gain, phase [deg]", _response(space, args.bode, k))
-    if args.output:
-        with replacing(args.output) as file:
-            write_data(file, args.output.suffix.lower(), space.data(args.bode), space.table())
-        show("", f"wrote {args.output}")
+    write_output(args.output, space.data(args.bode), space.table())
     return DONE
 
 

@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, Any
 from fmbd.cli.common import (
     DONE,
     add_model,
+    add_output,
     add_rest,
     columns,
     compiling_announced,
+    count,
     facts,
     number,
     read_model,
-    replacing,
     show,
     shown,
-    suffixed,
+    write_output,
 )
 
 if TYPE_CHECKING:
@@ -44,14 +45,8 @@ def add(commands: Any) -> None:
         action="store_true",
         help="let go the motors that were held to find the equilibrium: they turn at the constant input that held them",
     )
-    parser.add_argument("--number", metavar="N", type=_count, default=12, help="modes to print (default 12)")
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        type=suffixed(*KINDS),
-        help=f"write all modes with their shapes ({', '.join(KINDS)})",
-    )
+    parser.add_argument("--number", metavar="N", type=count, default=12, help="modes to print (default 12)")
+    add_output(parser, "all modes with their shapes", KINDS)
     parser.set_defaults(command=_modes)
 
 
@@ -70,15 +65,8 @@ def add_about(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 1 on")
-    return int(text)
-
-
 def _modes(args: argparse.Namespace) -> int:
     from fmbd.analyses.vibrations import modes
-    from fmbd.results.files import write_data
 
     model = read_model(args)
     with compiling_announced():
@@ -94,10 +82,7 @@ def _modes(args: argparse.Namespace) -> int:
     show(f"{model.name}: modes about {found.base.place}", style="bold")
     show(facts([*about_facts(found.base), ("stability", _stability(found))]))
     show("", _table(found, args.number))
-    if args.output:
-        with replacing(args.output) as file:
-            write_data(file, args.output.suffix.lower(), found.data(), found.table())
-        show("", f"wrote {args.output}")
+    write_output(args.output, found.data(), found.table())
     return DONE
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fmbd.cli.common import BAD_INPUT, DONE, columns, compiling_announced, replacing, show
+from fmbd.cli.common import BAD_INPUT, DONE, columns, compiling_announced, replacing, show, suffixed
 
 if TYPE_CHECKING:
     from fmbd.results.plots.charts import Chart
@@ -49,7 +49,7 @@ def add(commands: Any) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        type=_picture,
+        type=suffixed(*FORMATS),
         help="the file, .png, .svg or .pdf (default: the archive's name and that of the figure, .png)",
     )
     parser.add_argument("--spectrum", action="store_true", help="amplitudes by frequency instead of time")
@@ -73,14 +73,6 @@ def add(commands: Any) -> None:
         "--width", metavar="INCHES", type=float, default=6.7, help="of the figure (default: 6.7, two columns)"
     )
     parser.set_defaults(command=_plot)
-
-
-def _picture(text: str) -> Path:
-    if Path(text).suffix.lower() not in FORMATS:
-        raise argparse.ArgumentTypeError(
-            f"'{text}' does not end in {', '.join(FORMATS)}, which is what can be written"
-        )
-    return Path(text)
 
 
 def _plot(args: argparse.Namespace) -> int:

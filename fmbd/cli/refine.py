@@ -13,8 +13,8 @@ from fmbd.cli.common import (
     columns,
     compiling_announced,
     facts,
+    progress_bar,
     read_model,
-    share_bar,
     show,
     suffixed,
 )
@@ -92,7 +92,7 @@ def _refine(args: argparse.Namespace) -> int:
     from fmbd.studies.refine import refine
 
     model = read_model(args)
-    with compiling_announced(), share_bar(model.name) as on_progress:
+    with compiling_announced(), progress_bar(model.name) as on_progress:
         study = refine(
             model, dict(args.over), args.quantities, args.analysis, args.jobs, args.check, on_progress
         )

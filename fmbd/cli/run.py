@@ -3,8 +3,6 @@
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,14 +14,13 @@ from fmbd.cli.common import (
     add_model,
     compiling_announced,
     facts,
+    progress_bar,
     read_model,
     show,
-    terminal,
 )
 from fmbd.results.course import course
 
 if TYPE_CHECKING:
-    from fmbd.model import Model
     from fmbd.model.simulation import Simulation
     from fmbd.results.run import Run
 
@@ -67,7 +64,8 @@ def _run(args: argparse.Namespace) -> int:
     if refusal := _refusal(output):
         print(refusal, file=sys.stderr)
         return BAD_INPUT
-    with compiling_announced(args.quiet), _progress(model, args.quiet) as on_progress:
+    bar = progress_bar(model.name, model.simulation.duration, "t = {task.completed:.3g} s", quiet=args.quiet)
+    with compiling_announced(args.quiet), bar as on_progress:
         run = simulate(model, output, on_progress)
     if not args.quiet:
         _summarise(run, output)
@@ -90,27 +88,6 @@ def _refusal(output: Path) -> str:
     except ArchiveError as error:
         return f"{error}; it is left as it is: name another file with -o"
     return f"{output}: another run is writing it: name another file with -o" if running else ""
-
-
-@contextmanager
-def _progress(model: "Model", quiet: bool) -> Iterator[Callable[[float], None] | None]:
-    """A bar with the time left, on a terminal."""
-    if quiet or not sys.stderr.isatty():
-        yield None
-        return
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    columns = (
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TaskProgressColumn(),
-        TextColumn("t = {task.completed:.3g} s"),
-        TimeRemainingColumn(),
-        TextColumn("left"),
-    )
-    with Progress(*columns, console=terminal(stderr=True), transient=True) as bar:
-        task = bar.add_task(model.name, total=model.simulation.duration)
-        yield lambda reached: bar.update(task, completed=reached)
 
 
 def _accuracy(simulation: "Simulation") -> str:

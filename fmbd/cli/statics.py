@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 from fmbd.cli.common import (
     DONE,
     add_model,
+    add_output,
     add_rest,
     columns,
     compiling_announced,
     facts,
     number,
     read_model,
-    replacing,
     show,
     shown,
-    suffixed,
+    write_output,
 )
 
 if TYPE_CHECKING:
@@ -46,19 +46,12 @@ def add(commands: Any) -> None:
         nargs="+",
         help="print these alone: names as `fmbd info ARCHIVE --names` lists them",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        type=suffixed(*KINDS),
-        help=f"write all quantities, with their units ({', '.join(KINDS)})",
-    )
+    add_output(parser, "all quantities, with their units", KINDS)
     parser.set_defaults(command=_statics)
 
 
 def _statics(args: argparse.Namespace) -> int:
     from fmbd.analyses.statics import equilibrium
-    from fmbd.results.files import write_data
 
     model = read_model(args)
     with compiling_announced():
@@ -78,10 +71,7 @@ def _statics(args: argparse.Namespace) -> int:
         ):
             if table.row_count:
                 show("", table)
-    if args.output:
-        with replacing(args.output) as file:
-            write_data(file, args.output.suffix.lower(), rest.data(), rest.table())
-        show("", f"wrote {args.output}")
+    write_output(args.output, rest.data(), rest.table())
     return DONE
 
 

@@ -12,7 +12,7 @@ from fmbd.cli.common import (
     add_jobs,
     columns,
     compiling_announced,
-    share_bar,
+    progress_bar,
     show,
 )
 
@@ -50,7 +50,7 @@ def _verify(args: argparse.Namespace) -> int:
     if args.markdown:
         print(markdown(args.cases))
         return DONE
-    with compiling_announced(), share_bar("verification") as on_progress:
+    with compiling_announced(), progress_bar("verification") as on_progress:
         found = verify(args.cases, dict(args.changes), args.jobs, on_progress)
     for case, comparisons in groupby(found, key=lambda comparison: comparison.case):
         _show(case, list(comparisons))
