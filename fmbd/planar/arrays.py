@@ -167,6 +167,8 @@ SIGNAL = np.dtype([("kind", "i8"), ("p", "f8", (6,)), ("start", "i8"), ("count",
 BODY_STATE = np.dtype(
     [(n, "f8") for n in ("x", "y", "angle", "c", "s", "vx", "vy", "w", "bx", "by", "bw", "ax", "ay", "aw")]
     + [(n, "f8") for n in ("px", "py", "ux", "uy", "jc", "js")]
+    # first moment of mass, its rate and its second derivative at zero q'', in the body's axes; J, half of its rate
+    + [(n, "f8") for n in ("mx", "my", "dmx", "dmy", "ddmx", "J", "spin")]
     + [(n, "f8") for n in ("Hxx", "Hxy", "Hxz", "Hyy", "Hyz", "Hzz", "gx", "gy", "gz")]
     + [("U", "f8", (3, 3)), ("per_D", "f8", (3,)), ("u", "f8", (3,)), ("scale", "f8", (3,))],
     align=True,

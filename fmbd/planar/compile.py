@@ -5,6 +5,9 @@ the five-bar), and so are checks for division by zero: a result that is not fini
 
 Numba itself looks at the file of a cached function only, not at those of the functions that it calls. Here the cache
 lies in a folder named after a digest of all kernel sources, so that an edit anywhere compiles everything anew.
+
+Numba optimises each function that another one calls, and turns it into machine code, before it merges it. Parts of
+kernels are left as they are written until then, which takes half the time to compile.
 """
 
 import hashlib
@@ -13,11 +16,14 @@ import shutil
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import register_pass
+from numba.core.typed_passes import NativeLowering
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -62,6 +68,41 @@ def _forget(place: Path) -> None:
                 shutil.rmtree(old)
 
 
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _LowerForMerging(NativeLowering):
+    """Numba's last pass but for optimisation and machine code, which no one asks of a part."""
+
+    _name = "lower_for_merging"
+
+    def run_pass(self, state: Any) -> bool:
+        context = state.targetctx
+        library = context.codegen().create_library(state.func_id.func_qualname)
+        library._optimize_final_module = _nothing
+        library._finalize_final_module = partial(setattr, library, "_finalized", True)
+        state.library = library
+        # of the entry point, Numba wants no more than that it is a built-in method unlike any other
+        context.get_executable = lambda *_: [].append
+        try:
+            return bool(super().run_pass(state))
+        finally:
+            del context.get_executable
+
+
+class _PartCompiler(Compiler):
+    def define_pipelines(self) -> list[Any]:
+        pipelines: list[Any] = super().define_pipelines()
+        for pipeline in pipelines:
+            pipeline.passes = [
+                (_LowerForMerging if which is NativeLowering else which, why)
+                for which, why in pipeline.passes
+            ]
+        return pipelines
+
+
+def _nothing() -> None:
+    pass
+
+
 def _decorator(**options: Any) -> Decorator:
     common: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False, "fastmath": _ROUNDING}
 
@@ -81,13 +122,14 @@ def _decorator(**options: Any) -> Decorator:
 #: the processor's vector units.
 index: Any = int if config.DISABLE_JIT else numba.uintp
 
-_INSIDE = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_INSIDE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_MERGED = _INSIDE | {"forceinline": True, "cache": False, "pipeline_class": _PartCompiler}
 
 #: A kernel that Python may call.
 compiled = _decorator()
 #: A kernel that only other kernels call.
 inner = _decorator(**_INSIDE)
 #: A part of a kernel, merged into it wherever it is called.
-part = _decorator(**_INSIDE, forceinline=True)
+part = _decorator(**_MERGED)
 #: A part whose sums over modes may be reordered, so that they use the processor's vector units.
-part_sums = _decorator(**_INSIDE, forceinline=True, fastmath={*_ROUNDING, "reassoc"})
+part_sums = _decorator(**_MERGED, fastmath={*_ROUNDING, "reassoc"})

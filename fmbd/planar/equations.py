@@ -47,7 +47,7 @@ def accelerations(
     for c in range(sys.constraints.size):
         value, rate, second = constraint(sys.constraints[c], work.lengths, work.signal)
         work.reactions[c].target = -second - drag * rate - pull * value
-    failed = solve(sys, work, q, qdd)
+    failed = solve(sys, work, qdd)
     return failed, dissipated, power + driving_power(sys, work)
 
 
@@ -187,7 +187,7 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
             break
         if taken == 8 or not worst < 1e300:
             return -1
-        if _correct(sys, work, q, step) >= 0:
+        if _correct(sys, work, step) >= 0:
             return -1
         for k in range(n):
             q[k] += step[k]
@@ -195,7 +195,7 @@ def project(sys: Any, work: Any, t: float, y: np.ndarray, step: np.ndarray, tole
     for c in range(sys.constraints.size):
         _, rate, _ = constraint(sys.constraints[c], work.lengths, work.signal)
         work.reactions[c].target = -rate
-    if _correct(sys, work, q, step) >= 0:
+    if _correct(sys, work, step) >= 0:
         return -1
     for k in range(n):
         v[k] += step[k]
@@ -227,11 +227,11 @@ def _reach(points: Any) -> float:
 
 
 @part
-def _correct(sys: Any, work: Any, q: np.ndarray, step: np.ndarray) -> int:
+def _correct(sys: Any, work: Any, step: np.ndarray) -> int:
     """Solve with no forces but those of the constraints."""
     clear_forces(work.frames, work.rows)
     work.f_eta[:] = 0.0
-    return solve(sys, work, q, step)
+    return solve(sys, work, step)
 
 
 @compiled
@@ -242,30 +242,17 @@ def energies(sys: Any, work: Any, q: np.ndarray, v: np.ndarray, z: np.ndarray) -
     for i in range(sys.bodies.size):
         b = sys.bodies[i]
         f = work.frames[i]
-        mx, my = b.mx, b.my
-        inertia = b.J
-        row_speed, row_spin, drawn = 0.0, 0.0, 0.0
         for k in range(b.nf):
             eta, rate = q[b.first_q + k], v[b.first_q + k]
-            inertia += eta * eta
             kinetic += 0.5 * rate * rate
             elastic += 0.5 * sys.omega2[b.mode0 + k] * eta * eta
-        if b.nf > 0:
-            my += work.rows[b.row0].value
-            row_speed, row_spin = work.rows[b.row0].rate, work.rows[b.row0 + 1].rate
-        if b.axial >= 0:
-            mx += work.rows[b.axial].value
-            inertia += 2.0 * work.rows[b.axial + 1].value
-            drawn = work.rows[b.axial].rate
-        sx, sy = f.c * mx - f.s * my, f.s * mx + f.c * my
-        kinetic += 0.5 * b.mass * (f.vx**2 + f.vy**2) + 0.5 * inertia * f.w**2
+        sx, sy = f.c * f.mx - f.s * f.my, f.s * f.mx + f.c * f.my
+        kinetic += 0.5 * b.mass * (f.vx**2 + f.vy**2) + 0.5 * f.J * f.w**2
         kinetic += f.w * (sx * f.vy - sy * f.vx)
-        kinetic += row_speed * (f.c * f.vy - f.s * f.vx) + row_spin * f.w
-        kinetic += drawn * (f.c * f.vx + f.s * f.vy)
+        kinetic += f.dmy * (f.c * f.vy - f.s * f.vx) + f.dmx * (f.c * f.vx + f.s * f.vy)
+        if b.nf > 0:
+            kinetic += work.rows[b.row0 + 1].rate * f.w
         potential -= gx * (b.mass * f.x + sx) + gy * (b.mass * f.y + sy)
-    for k in range(sys.inertias.size):
-        turning = work.rows[sys.inertias[k].row].value * work.frames[sys.inertias[k].body].w
-        kinetic -= 0.5 * sys.inertias[k].value * turning * turning
     for k in range(sys.springs.size):
         spring = sys.springs[k]
         path = work.lengths[spring.pathway]

@@ -148,49 +148,35 @@ def _distributed_load(load: Any, frame: Any, rows: Any, signal: np.ndarray) -> f
 def body_forces(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> float:
     """Add gravity, the inertia forces at zero q'', stiffness and damping of the beams.
 
-    Returns the power that the beams' damping dissipates [W]. Per body, with S1 = (mx, my + s.eta) the first moment
-    and a = b - gravity, all in the body's axes:
-        F = -m a - bw x S1 + w^2 S1 + 2 w (s.eta') ex,    M = -S1 x a - (J + eta.eta) bw - 2 w eta.eta'
+    Returns the power that the beams' damping dissipates [W]. Per body, with S1 = (mx, my) the first moment and J the
+    moment of inertia as it is deformed, a = b - gravity, all in the body's axes:
+        F = -m a - bw x S1 + w^2 S1 - S1'' - 2 w x S1',    M = -S1 x a - J bw - J' w
         f_eta = -s (ey.a) - p bw + (w^2 - omega^2) eta - d eta'
-    With foreshortening, U = int u dm and X = int x u dm, rows n = dU/deta and k = dX/deta that bend: S1 has U beside
-    mx, J has 2 X, F also -U'' ex - 2 w U' ey, M also -2 w X', and f_eta also -n (ex.a) + k w^2.
+    With foreshortening, rows n = dU/deta and k = dX/deta that bend add -n (ex.a) + k w^2 to f_eta.
     """
     dissipated = 0.0
     gx, gy = sys.gravity[0], sys.gravity[1]
     for i in range(sys.bodies.size):
         b = sys.bodies[i]
-        frame = work.frames[i]
-        inertia, mx, my = b.J, b.mx, b.my
-        spin, flow, drawn, pull = 0.0, 0.0, 0.0, 0.0
-        c, s, w, bw = frame.c, frame.s, frame.w, frame.bw
-        ax, ay = frame.bx - gx, frame.by - gy
+        f = work.frames[i]
+        c, s, w, bw = f.c, f.s, f.w, f.bw
+        ax, ay = f.bx - gx, f.by - gy
         if b.nf > 0:
-            square, spin, loss = _modal_forces(b, w, sys.omega2, sys.modal_damping, q, v, work.f_eta)
-            inertia += square
-            dissipated += loss
-            lateral, turning = work.rows[b.row0], work.rows[b.row0 + 1]
-            my += lateral.value
-            flow = lateral.rate
-            lateral.g -= c * ay - s * ax
-            turning.g -= bw
+            dissipated += _modal_forces(b, w, sys.omega2, sys.modal_damping, q, v, work.f_eta)
+            work.rows[b.row0].g -= c * ay - s * ax
+            work.rows[b.row0 + 1].g -= bw
             if b.axial >= 0:
-                axial, outward = work.rows[b.axial], work.rows[b.axial + 1]
-                mx += axial.value
-                inertia += 2.0 * outward.value
-                drawn, pull = axial.rate, axial.bias
-                spin += outward.rate
-                axial.g -= c * ax + s * ay
-                outward.g += w * w
-        sx, sy = c * mx - s * my, s * mx + c * my
-        fx, fy = 2.0 * w * flow - pull, -2.0 * w * drawn
-        frame.gx += -b.mass * ax + bw * sy + w * w * sx + c * fx - s * fy
-        frame.gy += -b.mass * ay - bw * sx + w * w * sy + s * fx + c * fy
-        frame.gz += -(sx * ay - sy * ax) - inertia * bw - 2.0 * w * spin
+                work.rows[b.axial].g -= c * ax + s * ay
+                work.rows[b.axial + 1].g += w * w
+        sx, sy = c * f.mx - s * f.my, s * f.mx + c * f.my
+        fx, fy = 2.0 * w * f.dmy - f.ddmx, -2.0 * w * f.dmx
+        f.gx += -b.mass * ax + bw * sy + w * w * sx + c * fx - s * fy
+        f.gy += -b.mass * ay - bw * sx + w * w * sy + s * fx + c * fy
+        f.gz += -(sx * ay - sy * ax) - f.J * bw - 2.0 * w * f.spin
     for k in range(sys.inertias.size):
         point = sys.inertias[k]
-        frame, row = work.frames[point.body], work.rows[point.row]
-        frame.gz += point.value * row.value * (row.value * frame.bw + 2.0 * frame.w * row.rate)
-        row.g -= frame.w**2 * point.value * row.value
+        row = work.rows[point.row]
+        row.g -= work.frames[point.body].w ** 2 * point.value * row.value
     return dissipated
 
 
@@ -203,15 +189,13 @@ def _modal_forces(
     q: np.ndarray,
     v: np.ndarray,
     f_eta: np.ndarray,
-) -> tuple[float, float, float]:
-    """Centrifugal, elastic and damping forces on each mode; returns eta.eta, eta.eta', dissipated power."""
-    square, spin, loss = 0.0, 0.0, 0.0
+) -> float:
+    """Centrifugal, elastic and damping forces on each mode; returns the power dissipated."""
+    loss = 0.0
     first, mode0 = index(b.first_q), index(b.mode0)
     for k in range(index(b.nf)):
         eta, rate = q[first + k], v[first + k]
         d = damping[mode0 + k]
         f_eta[mode0 + k] = (w * w - omega2[mode0 + k]) * eta - d * rate
-        square += eta * eta
-        spin += eta * rate
         loss += d * rate * rate
-    return square, spin, loss
+    return loss

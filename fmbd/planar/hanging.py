@@ -22,6 +22,7 @@ _ROUND_OFF = 1e-13
 
 @part
 def hang_on_rows(
+    i: int,
     b: Any,
     f: Any,
     parent: Any,
@@ -37,7 +38,7 @@ def hang_on_rows(
     hang_w: np.ndarray,
     hang_slot: np.ndarray,
 ) -> None:
-    """Take the child b into the frame p, rows and slots of its parent."""
+    """Take the child b, body i, into the frame p, rows and slots of its parent."""
     L, g = hang.L, hang.g
     L[0, 0], L[1, 0], L[2, 0] = f.Hxx, f.Hxy, f.Hxz
     L[1, 1], L[2, 1], L[2, 2] = f.Hyy, f.Hyz, f.Hzz
@@ -47,26 +48,31 @@ def hang_on_rows(
     for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
         hung = slots[slots[m].parent].hung
         hung[0], hung[1], hung[2] = slots[m].gx, slots[m].gy, slots[m].gz
-    rx, ry = f.px - p.x, f.py - p.y
     for k in range(3):
         hang.d[k] = _next_pivot(L, f.scale, k)
-        lx = 1.0 if k == 0 else 0.0
-        ly = 1.0 if k == 1 else (L[1, 0] if k == 0 else 0.0)
-        lz = 1.0 if k == 2 else L[2, k]
         for j in range(k + 1, 3):
             g[j] -= L[j, k] * g[k]
-        hang.idle[k] = 1 if hang.d[k] == 0.0 and g[k] == 0.0 and parent.nslot == 0 else 0
-        if hang.idle[k] == 1:
-            continue
-        hang.b[k, 0] = p.c * ly - p.s * lx
-        hang.b[k, 1] = (f.px - at.x) * ly - (f.py - at.y) * lx + lz
-        hang.b[k, 2] = p.c * lx + p.s * ly
-        hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = lx, ly, rx * ly - ry * lx + lz
-        _take_in(b, parent, p, hang, k, outer, rows, N, slots, slot_v, block, hang_w, hang_slot)
         for m in range(b.slot0 + b.closed, b.slot0 + b.nslot):
             hung = slots[slots[m].parent].hung
             for j in range(k + 1, 3):
                 hung[j] -= L[j, k] * hung[k]
+        hang.idle[k] = 1 if hang.d[k] == 0.0 and g[k] == 0.0 and parent.nslot == 0 else 0
+    rx, ry = f.px - p.x, f.py - p.y
+    # N is not needed after the last of what hangs on the parent
+    more = parent.hold >= 0 or i != parent.first_hung
+    for k in range(3):
+        if hang.idle[k] == 1:
+            continue
+        lx = 1.0 if k == 0 else 0.0
+        ly = 1.0 if k == 1 else (L[1, 0] if k == 0 else 0.0)
+        lz = 1.0 if k == 2 else L[2, k]
+        hang.b[k, 0] = p.c * ly - p.s * lx
+        hang.b[k, 1] = (f.px - at.x) * ly - (f.py - at.y) * lx + lz
+        hang.b[k, 2] = p.c * lx + p.s * ly
+        hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = lx, ly, rx * ly - ry * lx + lz
+        last = k == 2 or (hang.idle[2] == 1 and (k == 1 or hang.idle[1] == 1))
+        keep = more or not last
+        _take_in(b, parent, p, hang, k, outer, rows, N, slots, slot_v, block, hang_w, hang_slot, keep)
 
 
 @part
@@ -100,8 +106,9 @@ def _take_in(
     block: np.ndarray,
     hang_w: np.ndarray,
     hang_slot: np.ndarray,
+    keep: bool,
 ) -> None:
-    """One scalar d_k along l_k."""
+    """One scalar d_k along l_k; N is left as it was unless it is to be kept."""
     n = index(parent.nrow)
     d, gamma = hang.d[k], hang.g[k]
     w0, row0, gram0 = index(b.hang_w0 + k * parent.nrow), index(parent.row0), index(parent.gram0)
@@ -145,9 +152,10 @@ def _take_in(
         row.Vx -= w * x
         row.Vy -= w * y
         row.Vz -= w * z
-        start = gram0 + r * n
-        for j in range(n):
-            N[start + j] -= w * hang_w[w0 + j]
+        if keep:
+            start = gram0 + r * n
+            for j in range(n):
+                N[start + j] -= w * hang_w[w0 + j]
 
 
 @part

@@ -32,6 +32,12 @@ def kinematics(sys: Any, work: Any, q: np.ndarray, v: np.ndarray) -> None:
         _joint(b, sys.stations[b.inner], outer, work.frames[i], work.rows, work.signal, q, v)
         for k in range(b.station0, b.station0 + b.nstation):
             _station(sys.stations[k], work.points[k], work.frames[i], work.rows)
+        _moments_of_mass(b, work.frames[i], work.rows, q, v)
+    for k in range(sys.inertias.size):
+        point = sys.inertias[k]
+        frame, slope = work.frames[point.body], work.rows[point.row]
+        frame.J -= point.value * slope.value * slope.value
+        frame.spin -= point.value * slope.value * slope.rate
 
 
 @part_sums
@@ -88,13 +94,36 @@ def _bent_gram(b: Any, bends: Any, R: np.ndarray, gram: np.ndarray) -> None:
 
 
 @part_sums
-def modal_square(b: Any, q: np.ndarray) -> float:
-    """eta.eta of a flexible body."""
-    first = index(b.first_q)
-    total = 0.0
-    for k in range(index(b.nf)):
-        total += q[first + k] * q[first + k]
-    return total
+def _moments_of_mass(b: Any, frame: Any, rows: Any, q: np.ndarray, v: np.ndarray) -> None:
+    """First moment and moment of inertia of a body as it is deformed, about its frame's origin.
+
+    (mx + U, my + s.eta) and J + eta.eta + 2 X, where U = int u dm and X = int x u dm if it shortens.
+    """
+    mx, my, dmx, dmy, ddmx, J, spin = b.mx, b.my, 0.0, 0.0, 0.0, b.J, 0.0
+    if b.nf > 0:
+        first = index(b.first_q)
+        square = 0.0
+        for k in range(index(b.nf)):
+            square += q[first + k] * q[first + k]
+            spin += q[first + k] * v[first + k]
+        J += square
+        my += rows[b.row0].value
+        dmy = rows[b.row0].rate
+        if b.axial >= 0:
+            axial, outward = rows[b.axial], rows[b.axial + 1]
+            mx += axial.value
+            dmx, ddmx = axial.rate, axial.bias
+            J += 2.0 * outward.value
+            spin += outward.rate
+    frame.mx, frame.my, frame.dmx, frame.dmy, frame.ddmx, frame.J, frame.spin = (
+        mx,
+        my,
+        dmx,
+        dmy,
+        ddmx,
+        J,
+        spin,
+    )
 
 
 @part

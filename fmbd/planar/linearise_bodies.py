@@ -81,22 +81,23 @@ def own_inertia(
     """H of the body itself; HY, PX, P of its rows, by s, p, eta and eta'."""
     w, alpha, c, s = f.w, f.bw + f.aw, f.c, f.s
     ax, ay = f.bx + f.ax - gravity[0], f.by + f.ay - gravity[1]
-    inertia, spin, my, flow, growth = b.J, 0.0, b.my, 0.0, 0.0
+    ddmx, ddmy = f.ddmx, 0.0
     if b.nf > 0:
-        my += rows[b.row0].value
-        flow, growth = rows[b.row0].rate, rows[b.row0].y
-        square, spin = _keep_eta(b, tan, q, v)
-        inertia += square
-    sx, sy = c * b.mx - s * my, s * b.mx + c * my
-    dx, dy = -w * sy - flow * s, w * sx + flow * c
-    ddx = -alpha * sy - w * w * sx - 2.0 * w * flow * c - growth * s
-    ddy = alpha * sx - w * w * sy - 2.0 * w * flow * s + growth * c
-    tb.S[0], tb.S[1], tb.S[2], tb.S[3], tb.S[4], tb.S[5] = sx, sy, dx, dy, inertia, spin
+        ddmy = rows[b.row0].y
+        _keep_eta(b, tan, q, v)
+        if b.axial >= 0:
+            ddmx += rows[b.axial].y
+    sx, sy = c * f.mx - s * f.my, s * f.mx + c * f.my
+    rx, ry = c * f.dmx - s * f.dmy, s * f.dmx + c * f.dmy
+    dx, dy = -w * sy + rx, w * sx + ry
+    ddx = -alpha * sy - w * w * sx - 2.0 * w * ry + c * ddmx - s * ddmy
+    ddy = alpha * sx - w * w * sy + 2.0 * w * rx + s * ddmx + c * ddmy
+    tb.S[0], tb.S[1], tb.S[2], tb.S[3], tb.S[4], tb.S[5] = sx, sy, dx, dy, f.J, f.spin
     H = tb.H
     H[0, 1], H[1, 2], H[2, 1], H[2, 2] = b.mass, b.mass, -sy, sx
     H[0, 0] = -ba * sy - 2.0 * bv * dy - bq * ddy
     H[1, 0] = ba * sx + 2.0 * bv * dx + bq * ddx
-    H[2, 0] = inertia * ba + 2.0 * bv * spin - bq * (sx * ax + sy * ay)
+    H[2, 0] = f.J * ba + 2.0 * bv * f.spin - bq * (sx * ax + sy * ay)
     if b.nf > 0:
         _carried(bq, bv, ba, -s, c, w, alpha, tb.lift)
         for r in range(place.row0, place.row0 + place.nr):
@@ -116,17 +117,12 @@ def own_inertia(
         tan.PX[last, 0] = -2.0 * bv * w
 
 
-@part_sums
-def _keep_eta(b: Any, tan: Any, q: np.ndarray, v: np.ndarray) -> tuple[float, float]:
-    """Copy eta and eta' of a body; returns eta.eta and eta.eta'."""
+@part
+def _keep_eta(b: Any, tan: Any, q: np.ndarray, v: np.ndarray) -> None:
+    """Copy eta and eta' of a body."""
     first, mode0 = index(b.first_q), index(b.mode0)
-    square, spin = 0.0, 0.0
     for k in range(index(b.nf)):
-        eta, rate = q[first + k], v[first + k]
-        tan.eta[0, mode0 + k], tan.eta[1, mode0 + k] = eta, rate
-        square += eta * eta
-        spin += eta * rate
-    return square, spin
+        tan.eta[0, mode0 + k], tan.eta[1, mode0 + k] = q[first + k], v[first + k]
 
 
 @part_sums
@@ -183,19 +179,11 @@ def sliding_joint(b: Any, sys: Any, work: Any, tan: Any, tb: Any, bq: Any, bv: A
 @part
 def point_inertia(point: Any, sys: Any, work: Any, tan: Any, places: Any, bq: Any, bv: Any, ba: Any) -> None:
     """The part of R R^T = I that is not in eta . eta of the inertia."""
-    b, f, place, H = (
-        sys.bodies[point.body],
-        work.frames[point.body],
-        places[point.body],
-        tan.bodies[point.body].H,
-    )
+    b, f, place = sys.bodies[point.body], work.frames[point.body], places[point.body]
     row = work.rows[point.row]
     r, n = point.row - b.row0, place.nr
     alpha = f.bw + f.aw
     inertia, value, rate = point.value, row.value, row.rate
-    H[2, 0] -= inertia * (value * value * ba + 2.0 * bv * value * rate)
-    tan.bodies[point.body].S[4] -= inertia * value * value
-    tan.bodies[point.body].S[5] -= inertia * value * rate
     tan.HY[place.row0 + r, 2] -= 2.0 * inertia * (value * alpha * bq + f.w * (bq * rate + bv * value))
     tan.PX[place.row0 + r, 0] += 2.0 * inertia * f.w * bv * value
     tan.P[place.matrix0 + r * n + r] += inertia * f.w * f.w * bq

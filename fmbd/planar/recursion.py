@@ -22,22 +22,19 @@ from fmbd.planar.compile import part
 from fmbd.planar.condensation import eliminate_modes, free_rows, put_back_modes, put_back_rows
 from fmbd.planar.hanging import hang_on_rows, put_back_hung
 from fmbd.planar.holding import hold_by_rows, let_go_of_rows
-from fmbd.planar.kinematics import modal_square, station_row
+from fmbd.planar.kinematics import station_row
 from fmbd.planar.loops import add_rank_one, close_loops, constraint_columns, hand_down, open_loops
 
 
 @part
-def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
+def solve(sys: Any, work: Any, qdd: np.ndarray) -> int:
     """Fill qdd (nq,) and the multipliers from the forces and targets in `work`.
 
     Returns -1, or the index of the body whose joint has no inertia to move.
     """
     frames, rows, slots, block = work.frames, work.rows, work.slots, work.block
     slot_y, slot_v, reactions = work.slot_y, work.slot_v, work.reactions
-    _start(sys.bodies, frames, rows, q)
-    for k in range(sys.inertias.size):
-        point = sys.inertias[k]
-        frames[point.body].Hzz -= point.value * rows[point.row].value ** 2
+    _start(sys.bodies, frames)
     _clear_slots(slots, slot_y, block)
     for c in range(sys.constraints.size):
         path = sys.pathways[sys.constraints[c].pathway]
@@ -68,6 +65,7 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
             parent, p = sys.bodies[b.parent], frames[b.parent]
             if b.hang >= 0:
                 hang_on_rows(
+                    i,
                     b,
                     f,
                     parent,
@@ -138,20 +136,13 @@ def solve(sys: Any, work: Any, q: np.ndarray, qdd: np.ndarray) -> int:
 
 
 @part
-def _start(bodies: Any, frames: Any, rows: Any, q: np.ndarray) -> None:
+def _start(bodies: Any, frames: Any) -> None:
     """Each body's own inertia about its frame's origin."""
     for i in range(bodies.size):
         b, f = bodies[i], frames[i]
-        inertia, mx, my = b.J, b.mx, b.my
-        if b.nf > 0:
-            inertia += modal_square(b, q)
-            my += rows[b.row0].value
-            if b.axial >= 0:
-                mx += rows[b.axial].value
-                inertia += 2.0 * rows[b.axial + 1].value
-        f.Hxx, f.Hxy, f.Hyy, f.Hzz = b.mass, 0.0, b.mass, inertia
-        f.Hxz = -(f.s * mx + f.c * my)
-        f.Hyz = f.c * mx - f.s * my
+        f.Hxx, f.Hxy, f.Hyy, f.Hzz = b.mass, 0.0, b.mass, f.J
+        f.Hxz = -(f.s * f.mx + f.c * f.my)
+        f.Hyz = f.c * f.mx - f.s * f.my
 
 
 @part

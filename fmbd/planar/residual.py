@@ -13,7 +13,6 @@ import numpy as np
 
 from fmbd.planar.compile import compiled, index, inner, part, part_sums
 from fmbd.planar.equations import driving_power, forces_of_state
-from fmbd.planar.kinematics import modal_square
 from fmbd.planar.pathways import put_force
 from fmbd.planar.recursion import joint_direction, outer_acceleration
 
@@ -43,13 +42,9 @@ def residual(
         )
     for i in range(sys.bodies.size):
         _accelerate(sys.bodies[i], i, sys, work, qdd)
-    for k in range(sys.inertias.size):
-        point = sys.inertias[k]
-        f, row = work.frames[point.body], work.rows[point.row]
-        f.gz += point.value * row.value * row.value * f.aw
     for i in range(sys.bodies.size - 1, -1, -1):
         b, f = sys.bodies[i], work.frames[i]
-        _ask_of_joint(b, f, sys.stations[b.inner], work.rows, q)
+        _ask_of_joint(b, f, sys.stations[b.inner], work.rows)
         for d in range(3):
             if b.coordinate[d] >= 0:
                 sx, sy, sz = joint_direction(b, f, d)
@@ -108,13 +103,10 @@ def _row_accelerations(b: Any, R: np.ndarray, rows: Any, qdd: np.ndarray) -> Non
 
 
 @part
-def _ask_of_joint(b: Any, f: Any, inner: Any, rows: Any, q: np.ndarray) -> None:
+def _ask_of_joint(b: Any, f: Any, inner: Any, rows: Any) -> None:
     """g becomes minus the wrench that the body's motion asks of its joint, at the inner station."""
-    inertia, mx, my = b.J, b.mx, b.my
     if b.nf > 0:
-        inertia += modal_square(b, q)
         lateral, turning = rows[b.row0], rows[b.row0 + 1]
-        my += lateral.value
         f.gx += f.s * lateral.y
         f.gy -= f.c * lateral.y
         f.gz -= turning.y
@@ -122,15 +114,13 @@ def _ask_of_joint(b: Any, f: Any, inner: Any, rows: Any, q: np.ndarray) -> None:
         turning.g -= f.aw
         if b.axial >= 0:
             axial = rows[b.axial]
-            mx += axial.value
-            inertia += 2.0 * rows[b.axial + 1].value
             f.gx -= f.c * axial.y
             f.gy -= f.s * axial.y
             axial.g -= f.c * f.ax + f.s * f.ay
-    sx, sy = f.c * mx - f.s * my, f.s * mx + f.c * my
+    sx, sy = f.c * f.mx - f.s * f.my, f.s * f.mx + f.c * f.my
     f.gx -= b.mass * f.ax - sy * f.aw
     f.gy -= b.mass * f.ay + sx * f.aw
-    f.gz -= sx * f.ay - sy * f.ax + inertia * f.aw
+    f.gz -= sx * f.ay - sy * f.ax + f.J * f.aw
     f.gz -= (f.px - f.x) * f.gy - (f.py - f.y) * f.gx
     if inner.row_w >= 0:
         rows[inner.row_w].g -= f.c * f.gy - f.s * f.gx
