@@ -1,17 +1,19 @@
-"""A planar Euler-Bernoulli beam in its floating frame.
+"""A planar beam in its floating frame: Euler-Bernoulli, Rayleigh or Timoshenko.
 
 The frame's origin is at the start of the beam, its x axis along the undeformed beam; the deflection is
 w(x) = S(x) e. Reference conditions tie the frame to the beam: "clamped" drops w0 and slope0 (the frame
 follows the start's cross-section), "chord" drops w0 and wn (the x axis passes through both ends).
 
 S       shape functions (nf,)              s    int S dm (nf,)
-e       elastic coordinates (nf,)          p    int x S dm + sum I_k S'(x_k) (nf,)
-M_w     int S^T S dm                       K    int EI S''^T S'' dx
-M       M_w + sum I_k S'(x_k)^T S'(x_k)
-m_k, I_k, x_k   point masses: mass, moment of inertia, position; dm includes the m_k
+e       elastic coordinates (nf,)          p    int x S dm + int psi dI (nf,)
+M_w     int S^T S dm                       K    int EI psi'^T psi' dx + int kGA gamma^T gamma dx
+M       M_w + int psi^T psi dI
+psi     rotations of the cross-sections (nf,): S' - gamma; gamma the shear angles, zero unless the pieces can shear
+m_k, I_k, x_k   point masses: mass, moment of inertia, position; dm includes the m_k, dI the I_k
+dI      includes rho I dx if the pieces have rotary inertia: cross-sections turn with frame and beam, theta' + psi e'
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -19,8 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fmbd.beams import modal
-from fmbd.beams.hermite import Array, Side, interpolation
-from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points
+from fmbd.beams.hermite import Array, Side, interpolation, shear_angles
+from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points, has
 
 Frame = Literal["clamped", "chord"]
 
@@ -39,12 +41,14 @@ class FloatingBeam:
     frame: Frame
     mass: float  #: [kg]
     first_moment: float  #: int x dm [kg m]
-    inertia: float  #: J0 = int x^2 dm + sum I_k, about the start [kg m^2]
+    inertia: float  #: J0 = int x^2 dm + int dI, about the start [kg m^2]
     s: Array  #: shape (nf,), [kg] for w, [kg m] for slope
     p: Array  #: shape (nf,), [kg m] for w, [kg m^2] for slope
     M: Array  #: mass matrix, shape (nf, nf)
     M_w: Array  #: the part of M that moves transversely, shape (nf, nf)
+    turning: Array  #: rows whose squares are the rest of M, that of what turns, shape (at most nf, nf)
     K: Array  #: stiffness matrix, shape (nf, nf)
+    shear: Array  #: Phi of each element (hermite.py), shape (n,), zeros if rigid in shear
     point_masses: Array  #: positions [m] and masses [kg], shape (point masses, 2)
     modes: Array | None = None  #: of the nodal coordinates, shape (nodal coordinates, nf)
 
@@ -80,16 +84,29 @@ class FloatingBeam:
         """S at x [m]: shape (nf,) for a number, (points, nf) for an array. ValueError off the beam."""
         return self._evaluate(x, 0)
 
+    @property
+    def shears(self) -> bool:
+        """Whether cross-sections may stay behind the slope of the axis."""
+        return bool(self.shear.any())
+
     def slope(self, x: ArrayLike) -> Array:
-        """S' at x [m], shaped as `shape`."""
+        """Rotations psi of the cross-sections at x [m], S' unless the beam shears, shaped as `shape`."""
+        return self._evaluate(x, 1) - self.shear_angle(x) if self.shears else self._evaluate(x, 1)
+
+    def tangent(self, x: ArrayLike) -> Array:
+        """S' at x [m], shaped as `shape`; at a node of a beam that shears that on its right."""
         return self._evaluate(x, 1)
 
+    def shear_angle(self, x: ArrayLike, side: Side = "right") -> Array:
+        """S' - psi at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        return self._rows(x, lambda at: shear_angles(self.nodes, at, side, self.shear))
+
     def curvature(self, x: ArrayLike, side: Side = "right") -> Array:
-        """S'' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        """S'' = psi' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
         return self._evaluate(x, 2, side)
 
     def third_derivative(self, x: ArrayLike, side: Side = "right") -> Array:
-        """S''' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        """S''' = psi'' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
         return self._evaluate(x, 3, side)
 
     def bending_stiffness(self, x: ArrayLike) -> Array:
@@ -117,7 +134,7 @@ class FloatingBeam:
         """
         if self.modes is not None:
             return np.eye(len(self.M)), np.diag(self.K).copy()
-        return modal.modal_basis(self.M, _stiffness_root(self.pieces, self.nodes, self.frame))
+        return modal.modal_basis(self.M, _stiffness_root(self.pieces, self.nodes, self.frame, self.shear))
 
     def truncated(self, count: int) -> "FloatingBeam":
         """The beam that moves in its first modes only; ValueError if it has fewer."""
@@ -131,14 +148,19 @@ class FloatingBeam:
             p=_constant(self.p @ kept),
             M=_constant(np.eye(count)),
             M_w=_constant(kept.T @ self.M_w @ kept),
+            turning=_constant(_few(self.turning @ kept)),
             K=_constant(np.diag(omega2[:count])),
             modes=_constant(kept),
         )
 
     def _evaluate(self, x: ArrayLike, derivative: int, side: Side = "right") -> Array:
+        return self._rows(x, lambda at: interpolation(self.nodes, at, derivative, side, self.shear))
+
+    def _rows(self, x: ArrayLike, mesh_rows: Callable[[Array], Array]) -> Array:
+        """Rows of the mesh's coordinates, given at positions (points,), as rows of e."""
         x = np.asarray(x, float)
         self._check_on_beam(x)
-        values = _shapes(self.nodes, self.frame, x.ravel(), derivative, side)
+        values = mesh_rows(x.ravel())[:, _kept(self.nodes, self.frame)]
         if self.modes is not None:
             values = values @ self.modes
         return values.reshape(*x.shape, -1)
@@ -165,13 +187,17 @@ def floating_beam(
     x_k, m_k, I_k = np.array(point_masses, float).reshape(-1, 3).T
     _check_positions(x_k, float(nodes[-1]), "point mass")
 
+    kept, shear = _kept(nodes, frame), _shear_parameters(pieces, nodes)
     x, weight = gauss_points(_breaks(pieces, nodes), 6 + degree(pieces, "mass_per_length"))
     dm = np.concatenate((weight * evaluate(pieces, "mass_per_length", x), m_k))
     x = np.concatenate((x, x_k))
-    if min(dm.min(), I_k.min(initial=0)) < 0:
+    x_I, dI = _rotary_inertia(pieces, nodes)
+    x_I, dI = np.concatenate((x_I, x_k)), np.concatenate((dI, I_k))
+    if min(dm.min(), dI.min(initial=0)) < 0:
         raise ValueError("a beam's mass per length, point masses and inertias must not be negative")
-    S, dS_k = _shapes(nodes, frame, x), _shapes(nodes, frame, x_k, 1)
-    moving, turning = S * np.sqrt(dm)[:, None], dS_k * np.sqrt(I_k)[:, None]
+    S = interpolation(nodes, x, shear=shear)[:, kept]
+    psi = (interpolation(nodes, x_I, 1, shear=shear) - shear_angles(nodes, x_I, "right", shear))[:, kept]
+    moving, turning = S * np.sqrt(dm)[:, None], psi * np.sqrt(dI)[:, None]
     M = _square(np.concatenate((moving, turning)))
     _check_mass(M)
     return FloatingBeam(
@@ -180,12 +206,14 @@ def floating_beam(
         frame=frame,
         mass=float(dm.sum()),
         first_moment=float(dm @ x),
-        inertia=float(dm @ x**2 + I_k.sum()),
+        inertia=float(dm @ x**2 + dI.sum()),
         s=_constant(dm @ S),
-        p=_constant((dm * x) @ S + I_k @ dS_k),
+        p=_constant((dm * x) @ S + dI @ psi),
         M=_constant(M),
         M_w=_constant(_square(moving)),
-        K=_constant(_square(_stiffness_root(pieces, nodes, frame))),
+        turning=_constant(_few(turning)),
+        K=_constant(_square(_stiffness_root(pieces, nodes, frame, shear))),
+        shear=_constant(shear),
         point_masses=_constant(np.stack([x_k, m_k], axis=-1)),
     )
 
@@ -196,17 +224,39 @@ def _kept(nodes: Array, frame: Frame) -> NDArray[np.intp]:
     return mesh[2:] if frame == "clamped" else np.delete(mesh, [0, -2])
 
 
-def _shapes(nodes: Array, frame: Frame, x: Array, derivative: int = 0, side: Side = "right") -> Array:
-    return interpolation(nodes, x, derivative, side)[:, _kept(nodes, frame)]
+def _rotary_inertia(pieces: Sequence[BeamPiece], nodes: Array) -> tuple[Array, Array]:
+    """Gauss points and rho I dx at them; none if it is left out."""
+    if not has(pieces, "rotary_inertia"):
+        return np.zeros(0), np.zeros(0)
+    x, weight = gauss_points(_breaks(pieces, nodes), 4 + degree(pieces, "rotary_inertia"))
+    return x, weight * evaluate(pieces, "rotary_inertia", x)
 
 
-def _stiffness_root(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame) -> Array:
-    """G with K = G^T G: the curvatures at the Gauss points times sqrt(EI dx), shape (points, nf)."""
+def _shear_parameters(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
+    """Phi = 12 EI / (kGA h^2) of each element, by the means of 1 / EI and 1 / kGA where these vary, shape (n,)."""
+    h = np.diff(nodes)
+    if not has(pieces, "shear_stiffness"):
+        return np.zeros(len(h))
+    x, weight = gauss_points(_breaks(pieces, nodes), 8)
+    EI, kGA = (evaluate(pieces, name, x) for name in ("bending_stiffness", "shear_stiffness"))
+    if min(EI.min(), kGA.min()) <= 0:
+        raise ValueError("a beam's bending and shear stiffness must be positive")
+    element = np.searchsorted(nodes, x) - 1
+    return 12.0 * np.bincount(element, weight / kGA) / np.bincount(element, weight / EI) / h**2
+
+
+def _stiffness_root(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame, shear: Array) -> Array:
+    """G with K = G^T G: curvatures, shear angles at the Gauss points times sqrt(EI dx), sqrt(kGA dx), (points, nf)."""
     x, weight = gauss_points(_breaks(pieces, nodes), 2 + degree(pieces, "bending_stiffness"))
     EI = evaluate(pieces, "bending_stiffness", x)
     if EI.min() <= 0:
         raise ValueError("a beam's bending stiffness must be positive")
-    return _shapes(nodes, frame, x, 2) * np.sqrt(EI * weight)[:, None]
+    G = interpolation(nodes, x, 2, shear=shear) * np.sqrt(EI * weight)[:, None]
+    if shear.any():
+        x, weight = gauss_points(_breaks(pieces, nodes), degree(pieces, "shear_stiffness"))
+        dx = weight * evaluate(pieces, "shear_stiffness", x)
+        G = np.concatenate((G, shear_angles(nodes, x, "right", shear) * np.sqrt(dx)[:, None]))
+    return G[:, _kept(nodes, frame)]
 
 
 def _breaks(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
@@ -216,6 +266,11 @@ def _breaks(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
 def _square(factor: Array) -> Array:
     """factor^T factor, exactly symmetric."""
     return factor.T @ factor
+
+
+def _few(rows: Array) -> Array:
+    """Rows of the same square, no more than coordinates, shape (at most nf, nf)."""
+    return rows if len(rows) <= rows.shape[1] else np.asarray(np.linalg.qr(rows, mode="r"))
 
 
 def _constant(array: Array) -> Array:

@@ -79,7 +79,7 @@ class Foreshortening:
             # slopes squared, times the mass beyond or its moment
             4 + degree(beam.pieces, "mass_per_length") + 2,
         )
-        slopes = beam.slope(x) @ self.psi
+        slopes = beam.tangent(x) @ self.psi
         return (slopes * (dx * weight(x))[:, None]).T @ slopes
 
     def _beyond(self, x: Array, power: int) -> Array:

@@ -23,6 +23,8 @@ class Piece:
     end: float
     mass_per_length: tuple[float, ...]
     bending_stiffness: tuple[float, ...]
+    rotary_inertia: tuple[float, ...] | None = None
+    shear_stiffness: tuple[float, ...] | None = None
 
 
 def uniform_beam(n, frame="clamped", length=1.0, mass=1.0, EI=1.0, point_masses=()):
