@@ -54,8 +54,8 @@ def test_shear_and_rotary_inertia_lower_frequencies_as_timoshenko_says():
     """4.5, 14.7 and 25.6 % lower.
 
     Elements are exact but for the inertia forces within them: what a fixed element stores under their mean, the energy
-    h^3 / 24 ((omega^2 w)^2 / kGA + (r^2 omega^2 psi)^2 / EI) once it is shorter than the beam is high, makes a frequency
-    too high, with order 2; psi / w = k - omega^2 / (k kGA).
+    h^3 / 24 ((omega^2 w)^2 / kGA + (r^2 omega^2 psi)^2 / EI) once it is shorter than the beam is high, makes a
+    frequency too high, with order 2; psi / w = k - omega^2 / (k kGA).
     """
     exact = timoshenko()
     psi2 = (K - exact**2 / (K * KGA)) ** 2
