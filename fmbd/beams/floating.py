@@ -6,11 +6,14 @@ follows the start's cross-section), "chord" drops w0 and wn (the x axis passes t
 
 S       shape functions (nf,)              s    int S dm (nf,)
 e       elastic coordinates (nf,)          p    int x S dm + int psi dI (nf,)
-M_w     int S^T S dm                       K    int EI psi'^T psi' dx + int kGA gamma^T gamma dx
+M_w     int S^T S dm *                     K    int EI psi'^T psi' dx + int kGA gamma^T gamma dx
 M       M_w + int psi^T psi dI
 psi     rotations of the cross-sections (nf,): S' - gamma; gamma the shear angles, zero unless the pieces can shear
 m_k, I_k, x_k   point masses: mass, moment of inertia, position; dm includes the m_k, dI the I_k
 dI      includes rho I dx if the pieces have rotary inertia: cross-sections turn with frame and beam, theta' + psi e'
+
+*  M_w is what makes the moment of inertia grow with the deflection: what turns has no part in that. Of many masses that
+turn, as of rotary inertia, that is true of the lowest modes; the others' turning is left in it.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,6 +29,7 @@ from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points, has
 
 Frame = Literal["clamped", "chord"]
 
+_MOST_TURNING = 8  # rows of what turns, and modes whose turning is told from their moving
 _ROUND_OFF = 1e-9  # a position that misses the beam by less than this, in lengths, is on it
 
 
@@ -45,8 +49,8 @@ class FloatingBeam:
     s: Array  #: shape (nf,), [kg] for w, [kg m] for slope
     p: Array  #: shape (nf,), [kg m] for w, [kg m^2] for slope
     M: Array  #: mass matrix, shape (nf, nf)
-    M_w: Array  #: the part of M that moves transversely, shape (nf, nf)
-    turning: Array  #: rows whose squares are the rest of M, that of what turns, shape (at most nf, nf)
+    M_w: Array  #: the part of M that moves transversely, M - turning^T turning, shape (nf, nf)
+    turning: Array  #: rows whose square is the rest of M, that of what turns, shape (at most 8, nf)
     K: Array  #: stiffness matrix, shape (nf, nf)
     shear: Array  #: Phi of each element (hermite.py), shape (n,), zeros if rigid in shear
     point_masses: Array  #: positions [m] and masses [kg], shape (point masses, 2)
@@ -148,7 +152,7 @@ class FloatingBeam:
             p=_constant(self.p @ kept),
             M=_constant(np.eye(count)),
             M_w=_constant(kept.T @ self.M_w @ kept),
-            turning=_constant(_few(self.turning @ kept)),
+            turning=_constant(self.turning @ kept),
             K=_constant(np.diag(omega2[:count])),
             modes=_constant(kept),
         )
@@ -198,8 +202,9 @@ def floating_beam(
     S = interpolation(nodes, x, shear=shear)[:, kept]
     psi = (interpolation(nodes, x_I, 1, shear=shear) - shear_angles(nodes, x_I, "right", shear))[:, kept]
     moving, turning = S * np.sqrt(dm)[:, None], psi * np.sqrt(dI)[:, None]
-    M = _square(np.concatenate((moving, turning)))
+    M, G = _square(np.concatenate((moving, turning))), _stiffness_root(pieces, nodes, frame, shear)
     _check_mass(M)
+    few = _few(turning, M, G)
     return FloatingBeam(
         pieces=pieces,
         nodes=_constant(nodes),
@@ -210,9 +215,9 @@ def floating_beam(
         s=_constant(dm @ S),
         p=_constant((dm * x) @ S + dI @ psi),
         M=_constant(M),
-        M_w=_constant(_square(moving)),
-        turning=_constant(_few(turning)),
-        K=_constant(_square(_stiffness_root(pieces, nodes, frame, shear))),
+        M_w=_constant(_square(moving) if few is turning else M - _square(few)),
+        turning=_constant(few),
+        K=_constant(_square(G)),
         shear=_constant(shear),
         point_masses=_constant(np.stack([x_k, m_k], axis=-1)),
     )
@@ -268,9 +273,13 @@ def _square(factor: Array) -> Array:
     return factor.T @ factor
 
 
-def _few(rows: Array) -> Array:
-    """Rows of the same square, no more than coordinates, shape (at most nf, nf)."""
-    return rows if len(rows) <= rows.shape[1] else np.asarray(np.linalg.qr(rows, mode="r"))
+def _few(turning: Array, M: Array, G: Array) -> Array:
+    """A few rows in place of many, whose square is theirs on the lowest modes, and never more."""
+    if len(turning) <= _MOST_TURNING:
+        return turning
+    Psi, _ = modal.modal_basis(M, G)
+    spanned, _ = np.linalg.qr(turning @ Psi[:, :_MOST_TURNING])
+    return np.asarray(spanned.T @ turning)
 
 
 def _constant(array: Array) -> Array:

@@ -83,7 +83,7 @@ def bodies_of_beams(system: System) -> dict[str, list[int]]:
 
 
 def start_warnings(system: System) -> list[str]:
-    """What can be said of a model before it runs: how far its beams sag, how fast they turn."""
+    """What can be said of a model before it runs: how far its beams sag, how thick they are, how fast they turn."""
     found = []
     g = float(np.hypot(*system.model.gravity))
     for name, bodies in bodies_of_beams(system).items():

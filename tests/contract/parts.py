@@ -94,6 +94,7 @@ def _signal(text: str) -> Sample:
 
 BEAM = """type: beam, length: 0.4, elements: 2, mass_per_length: 2, bending_stiffness: 4,
           points: {origin: 0.1, hand: 0.3, tip: 0.4}"""
+FINE = BEAM.replace("elements: 2", "elements: 6")
 SHORTENING = f"{BEAM}, frame: chord, foreshortening: true"
 THICK = "rotary_inertia: 0.005, shear: {shear_stiffness: 500}"
 POINT = "{mass: 0.1, inertia: 0.01}"
@@ -291,7 +292,7 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     ),
     "bodies.beam mass damped": _body(f"{BEAM}, damping: {{mass_proportional: 20}}", "dissipated"),
     "bodies.beam tapered": _body(TAPERED, more=FOAM),
-    "bodies.beam rotary inertia": _body(f"{BEAM}, rotary_inertia: 0.005, point_masses: {{hand: {POINT}}}"),
+    "bodies.beam rotary inertia": _body(f"{FINE}, rotary_inertia: 0.005, point_masses: {{hand: {POINT}}}"),
     "bodies.beam thick": _body(f"{BEAM}, {THICK}, frame: chord"),
     "bodies.beam thick tapered": _body(f"{TAPERED}, rotary_inertia: true, shear: true", more=FOAM),
     "bodies.beam thick lumped": _body(f"{BEAM}, {THICK}, mass: lumped"),

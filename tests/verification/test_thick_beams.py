@@ -103,6 +103,25 @@ def test_invariants_of_the_whole_beam(n):
         assert_allclose([whole.mass, whole.first_moment, whole.inertia], [1, 0.5, 1 / 3 + more], rtol=1e-14)
 
 
+SPINNING = """
+fmbd: 1
+gravity: [0, 0]
+bodies: {arm: {type: beam, length: 1, elements: 12, mass_per_length: 1, bending_stiffness: 1, rotary_inertia: 0.0025,
+               foreshortening: true}}
+joints: {root: {type: revolute, between: [ground.origin, arm.start], driven: 8*t}}
+"""
+
+
+def test_centrifugal_forces_do_not_act_on_what_turns():
+    """(K + W^2 (int x H dm - int S^T S dm) - w^2 M) e = 0: rho I psi^T psi is in M only, S^T S of a beam without it."""
+    thin, rotary = (beam(12, "clamped", r2) for r2 in (None, R2))
+    shortening = Foreshortening.of(rotary, rotary.modal_basis()[0])
+    stiffness = rotary.K + 64 * (shortening.nodal(shortening.by_moment()) - thin.M)
+    exact = np.sqrt(eigh(stiffness, rotary.M, eigvals_only=True)[:3])
+    found = 2 * np.pi * fmbd.modes(load_model_text(SPINNING), moving=True).frequencies[:3]
+    assert_allclose(found, exact, rtol=1e-8)
+
+
 # Statics
 
 THICK = """
