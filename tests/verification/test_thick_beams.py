@@ -113,13 +113,16 @@ joints: {root: {type: revolute, between: [ground.origin, arm.start], driven: 8*t
 
 
 def test_centrifugal_forces_do_not_act_on_what_turns():
-    """(K + W^2 (int x H dm - int S^T S dm) - w^2 M) e = 0: rho I psi^T psi is in M only, S^T S of a beam without it."""
+    """(K + W^2 (int x H dm - int S^T S dm) - w^2 M) e = 0: rho I psi^T psi is in M only, S^T S of a beam without it.
+
+    To the finite differences by which beams that shorten are linearised.
+    """
     thin, rotary = (beam(12, "clamped", r2) for r2 in (None, R2))
     shortening = Foreshortening.of(rotary, rotary.modal_basis()[0])
     stiffness = rotary.K + 64 * (shortening.nodal(shortening.by_moment()) - thin.M)
     exact = np.sqrt(eigh(stiffness, rotary.M, eigvals_only=True)[:3])
     found = 2 * np.pi * fmbd.modes(load_model_text(SPINNING), moving=True).frequencies[:3]
-    assert_allclose(found, exact, rtol=1e-8)
+    assert_allclose(found, exact, rtol=1e-7)
 
 
 # Statics
