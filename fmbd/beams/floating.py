@@ -25,7 +25,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fmbd.beams import modal
 from fmbd.beams.hermite import Array, Side, interpolation, shear_angles
-from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points, has
+from fmbd.beams.pieces import BeamPiece, degree, element_breaks, evaluate, gauss_points
+from fmbd.beams.thickness import rotary_inertia, shear_parameters
 
 Frame = Literal["clamped", "chord"]
 
@@ -191,14 +192,15 @@ def floating_beam(
     x_k, m_k, I_k = np.array(point_masses, float).reshape(-1, 3).T
     _check_positions(x_k, float(nodes[-1]), "point mass")
 
-    kept, shear = _kept(nodes, frame), _shear_parameters(pieces, nodes)
-    x, weight = gauss_points(_breaks(pieces, nodes), 6 + degree(pieces, "mass_per_length"))
+    kept, shear = _kept(nodes, frame), shear_parameters(pieces, nodes)
+    x, weight = gauss_points(element_breaks(pieces, nodes), 6 + degree(pieces, "mass_per_length"))
     dm = np.concatenate((weight * evaluate(pieces, "mass_per_length", x), m_k))
     x = np.concatenate((x, x_k))
-    x_I, dI = _rotary_inertia(pieces, nodes)
+    x_I, dI = rotary_inertia(pieces, nodes)
     x_I, dI = np.concatenate((x_I, x_k)), np.concatenate((dI, I_k))
     if min(dm.min(), dI.min(initial=0)) < 0:
         raise ValueError("a beam's mass per length, point masses and inertias must not be negative")
+    x_I, dI = x_I[dI > 0.0], dI[dI > 0.0]
     S = interpolation(nodes, x, shear=shear)[:, kept]
     psi = (interpolation(nodes, x_I, 1, shear=shear) - shear_angles(nodes, x_I, "right", shear))[:, kept]
     moving, turning = S * np.sqrt(dm)[:, None], psi * np.sqrt(dI)[:, None]
@@ -229,43 +231,18 @@ def _kept(nodes: Array, frame: Frame) -> NDArray[np.intp]:
     return mesh[2:] if frame == "clamped" else np.delete(mesh, [0, -2])
 
 
-def _rotary_inertia(pieces: Sequence[BeamPiece], nodes: Array) -> tuple[Array, Array]:
-    """Gauss points and rho I dx at them; none if it is left out."""
-    if not has(pieces, "rotary_inertia"):
-        return np.zeros(0), np.zeros(0)
-    x, weight = gauss_points(_breaks(pieces, nodes), 4 + degree(pieces, "rotary_inertia"))
-    return x, weight * evaluate(pieces, "rotary_inertia", x)
-
-
-def _shear_parameters(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
-    """Phi = 12 EI / (kGA h^2) of each element, by the means of 1 / EI and 1 / kGA where these vary, shape (n,)."""
-    h = np.diff(nodes)
-    if not has(pieces, "shear_stiffness"):
-        return np.zeros(len(h))
-    x, weight = gauss_points(_breaks(pieces, nodes), 8)
-    EI, kGA = (evaluate(pieces, name, x) for name in ("bending_stiffness", "shear_stiffness"))
-    if min(EI.min(), kGA.min()) <= 0:
-        raise ValueError("a beam's bending and shear stiffness must be positive")
-    element = np.searchsorted(nodes, x) - 1
-    return 12.0 * np.bincount(element, weight / kGA) / np.bincount(element, weight / EI) / h**2
-
-
 def _stiffness_root(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame, shear: Array) -> Array:
     """G with K = G^T G: curvatures, shear angles at the Gauss points times sqrt(EI dx), sqrt(kGA dx), (points, nf)."""
-    x, weight = gauss_points(_breaks(pieces, nodes), 2 + degree(pieces, "bending_stiffness"))
+    x, weight = gauss_points(element_breaks(pieces, nodes), 2 + degree(pieces, "bending_stiffness"))
     EI = evaluate(pieces, "bending_stiffness", x)
     if EI.min() <= 0:
         raise ValueError("a beam's bending stiffness must be positive")
     G = interpolation(nodes, x, 2, shear=shear) * np.sqrt(EI * weight)[:, None]
     if shear.any():
-        x, weight = gauss_points(_breaks(pieces, nodes), degree(pieces, "shear_stiffness"))
+        x, weight = gauss_points(element_breaks(pieces, nodes), degree(pieces, "shear_stiffness"))
         dx = weight * evaluate(pieces, "shear_stiffness", x)
         G = np.concatenate((G, shear_angles(nodes, x, "right", shear) * np.sqrt(dx)[:, None]))
     return G[:, _kept(nodes, frame)]
-
-
-def _breaks(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
-    return np.unique(np.concatenate((nodes, [piece.start for piece in pieces[1:]])))
 
 
 def _square(factor: Array) -> Array:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points, has
+from fmbd.beams.pieces import BeamPiece, degree, element_breaks, evaluate, gauss_points, has
 
 _TURNING = 1 / 39  # 4 h^2 over 156, the diagonal of the consistent matrix
 
@@ -27,10 +27,9 @@ def lumped(
     pieces, nodes: as of `floating_beam`; rotary inertia of the pieces, if any, goes to the nodes, too.
     """
     nodes = np.asarray(nodes, float)
-    breaks = np.unique(np.concatenate((nodes, [piece.start for piece in pieces[1:]])))
     rotary = has(pieces, "rotary_inertia")
     most = max(degree(pieces, name) for name in ("mass_per_length", *["rotary_inertia"] * rotary))
-    x, dx = gauss_points(breaks, 1 + most)
+    x, dx = gauss_points(element_breaks(pieces, nodes), 1 + most)
     element = np.searchsorted(nodes, x) - 1
     h = np.diff(nodes)[element]
     mass, inertia = np.zeros(len(nodes)), np.zeros(len(nodes))

@@ -73,6 +73,11 @@ def degree(pieces: Sequence[BeamPiece], name: str) -> int:
     return max(len(getattr(piece, name)) for piece in pieces) - 1
 
 
+def element_breaks(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
+    """Nodes and boundaries of pieces [m], between which properties and shape functions are polynomials."""
+    return np.unique(np.concatenate((nodes, [piece.start for piece in pieces[1:]])))
+
+
 def gauss_points(breaks: Array, degree: int) -> tuple[Array, Array]:
     """Positions and weights [m], shape (points,), exact for polynomials of `degree` between the breaks."""
     t, weight = _gauss_rule(degree // 2 + 1)

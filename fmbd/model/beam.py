@@ -66,7 +66,7 @@ class Beam:
     `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, start, end and
     node0 to nodeN included; `pieces` cover the length; mass and stiffness are polynomials within each.
     `youngs_modulus` [Pa] is None when the bending stiffness was given as a number. `segments` divides the number
-    of elements.
+    of elements. `mass` is distributed along the elements or lumped at the nodes.
     """
 
     type: ClassVar[str] = "beam"

@@ -10,7 +10,7 @@ import fmbd
 from fmbd.beams import Foreshortening, floating_beam
 from fmbd.beams.lumping import lumped
 from fmbd.model import load_model_text
-from fmbd.model.pieces import uniform_piece
+from fmbd.model.pieces import BeamPiece, uniform_piece
 from fmbd.model.sections import Circle, IBeam, Rectangle, Tube
 
 # Of a beam of unit length, mass and bending stiffness: radius of gyration 0.05, E / kappa G = 3.
@@ -101,6 +101,22 @@ def test_invariants_of_the_whole_beam(n):
     ):
         whole = beam(n, "clamped", rotary, mass=mass)
         assert_allclose([whole.mass, whole.first_moment, whole.inertia], [1, 0.5, 1 / 3 + more], rtol=1e-14)
+
+
+def test_lumps_of_a_tapered_beam_keep_its_mass_and_centre():
+    """Mass per length 3 - 2 x, uneven elements, one stepped inside: 2 kg and 5/6 kg m on [0, 1], by hand."""
+    nodes = [0.0, 0.2, 0.55, 1.0]
+    pieces = [
+        BeamPiece(0.0, 0.3, (3.0, -2.0), (1.0,), None, (0.1,)),
+        BeamPiece(0.3, 1.0, (2.4, -2.0), (2.0,), None, (0.1,)),
+    ]
+    light, lumps = lumped(pieces, nodes)
+    places, masses, inertias = np.array(lumps).T
+    assert_allclose([masses.sum(), masses @ places], [2, 5 / 6], rtol=1e-14)
+    own = masses @ np.array([0.2, 0, 0, 0.45]) ** 2 / 39  # of the first and the last node
+    assert 0.1 + own < inertias.sum() < 0.1 + 2 * 0.45**2 / 39
+    whole = floating_beam(light, nodes, "clamped", lumps)
+    assert_allclose([whole.mass, whole.first_moment], [2, 5 / 6], rtol=1e-14)
 
 
 SPINNING = """
