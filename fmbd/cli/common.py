@@ -218,6 +218,18 @@ def add_rest(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_analysis(parser: argparse.ArgumentParser) -> None:
+    """The argument --analysis, and those of an equilibrium."""
+    parser.add_argument(
+        "--analysis",
+        choices=["run", "statics", "modes", "frequencies"],
+        default="run",
+        help="over time (default); at the equilibrium; modes about it, as `fmbd modes` finds them; or undamped "
+        "frequencies of beams and springs alone, as `fmbd check` shows them",
+    )
+    add_rest(parser)
+
+
 def _motors(text: str) -> str | list[str]:
     return text if text in ("all", "none") else text.split(",")
 

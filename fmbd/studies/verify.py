@@ -14,7 +14,7 @@ from fmbd.model import Model
 from fmbd.model.names import unknown
 from fmbd.studies.cases import SUFFIX, Case, Check, load_case
 from fmbd.studies.convergence import observed_order
-from fmbd.studies.measure import COMPLETE, Measured, measure
+from fmbd.studies.measure import COMPLETE, Analysis, Measured, measure
 from fmbd.studies.pool import Report, side_by_side
 
 #: Where the cases of fmbd itself are.
@@ -104,11 +104,11 @@ def verify(
     return [found for checked in checks for found in checked.compare(measured)]
 
 
-def _measured(model: Model, names: Sequence[str], analysis: str, report: Report) -> Measured:
+def _measured(model: Model, names: Sequence[str], analysis: Analysis, report: Report) -> Measured:
     return measure(model, names, analysis, report)
 
 
-Key = tuple[str, str]  # changed model and analysis
+Key = tuple[str, Analysis]  # changed model and analysis
 
 
 class _Checked:
@@ -118,7 +118,7 @@ class _Checked:
         self.case, self.k = case, k
         self.check: Check = case.file.expect[k]
         self.models: dict[Key, Model] = {
-            (json.dumps([str(case.path), model.overrides]), self.check.analysis): model for model in models
+            (json.dumps([str(case.path), model.overrides]), self.check.asked): model for model in models
         }
 
     def compare(self, results: "Mapping[Key, Measured | Exception]") -> Iterator[Comparison]:
