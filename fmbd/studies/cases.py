@@ -102,8 +102,7 @@ class Check(Part):
     @property
     def asked(self) -> Analysis:
         """The analysis with its options; raises ModelError for those that it does not have."""
-        lock = tuple(self.lock) if isinstance(self.lock, list) else self.lock
-        return Analysis(self.analysis, self.time, lock, self.moving)
+        return Analysis.of(self.analysis, self.time, self.lock, self.moving)
 
     @property
     def count(self) -> int:

@@ -50,6 +50,11 @@ class Analysis:
         if given and self.kind not in ("statics", "modes"):
             raise ModelError([f"{given[0]}: is for the analyses statics and modes, not for {self.kind}"])
 
+    @classmethod
+    def of(cls, kind: Kind, time: float | None, lock: str | Sequence[str] | None, moving: bool) -> "Analysis":
+        """An analysis with its motors in any sequence."""
+        return cls(kind, time, lock if lock is None or isinstance(lock, str) else tuple(lock), moving)
+
     def __str__(self) -> str:
         """The kind and its options, as the command line has them."""
         lock = self.lock if self.lock is None or isinstance(self.lock, str) else ",".join(self.lock)

@@ -54,7 +54,7 @@ def refine(
     """
     if not isinstance(model, Model):
         model = load_model(model)
-    asked = Analysis(analysis, time, lock if lock is None or isinstance(lock, str) else tuple(lock), moving)
+    asked = Analysis.of(analysis, time, lock, moving)
     axes = tuple(_axis(path, values) for path, values in over.items())
     family = _family(axes)
     models = [changed(model, changes) for changes in family]
