@@ -27,7 +27,17 @@ Array = np.ndarray
 #: Files that an equilibrium can be written to.
 KINDS = (".h5", ".json", ".csv")
 #: What the names of quantities end in that are zero at rest, and quantities that only a run has.
-RATES = frozenset({"rate", "velocity", "acceleration", "angular_velocity", "angular_acceleration"})
+RATES = frozenset(
+    {
+        "rate",
+        "velocity",
+        "acceleration",
+        "angular_velocity",
+        "angular_acceleration",
+        "momentum",
+        "angular_momentum",
+    }
+)
 OF_RUNS = frozenset({"time", "energy.kinetic", "energy.dissipated", "energy.work", "energy.balance"})
 
 
