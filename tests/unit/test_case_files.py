@@ -90,6 +90,7 @@ MISTAKES = [
     ("bob.yaml", "bub.yaml", "bob.case.yaml:2:8: model: there is no file 'bub.yaml'"),
     ("rtol", "rtoll", "bob.case.yaml:4:1: set: bob.yaml: simulation: unknown key 'rtoll', did you mean 'rtol'?"),
     ("pivot.angle.acc", "pivot.angel.acc", "bob.case.yaml:6:17: expect[0].quantities: no quantity 'pivot.angel.acceleration', did you mean 'pivot.angle.acceleration'?"),
+    ("position.x]", "position]", "bob.case.yaml:6:17: expect[0].quantities: 'bob.center_of_mass.position' has several columns: name one, such as bob.center_of_mass.position.x"),
     ("-9/length, length", "-9/length", "bob.case.yaml:7:13: expect[0].at.0: has 1 values for 2 quantities"),
     ("{0: [", "{0.02: [", "bob.case.yaml:7:5: expect[0].at: 0.02 s is no output time; near it there is 0 s"),
     ("length]}", "lenght]}", "bob.case.yaml:7:25: expect[0].at.0[1]: unknown name 'lenght', did you mean 'length'?"),

@@ -101,6 +101,7 @@ def test_elements_have_order_four_over_time():
     [
         ("generalized_alpha", 2, "generalized_alpha.step", [100, 200, 400, 800]),
         ("rk45", 5, "max_step", [20, 28, 40, 56]),
+        ("baumgarte", 5, "max_step", [20, 28, 40, 56]),
         ("rodas5p", 5, "max_step", [20, 28, 40, 56]),
         ("dop853", 8, "max_step", [8, 11, 15, 20]),
     ],
