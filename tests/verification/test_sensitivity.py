@@ -59,13 +59,17 @@ def test_a_pendulum_over_time():
         assert_allclose(one.numbers["RMS"].derivative, (exact[0] * expected).mean() / rms, rtol=0, atol=1e-6)
 
 
-def test_the_period_of_a_pendulum():
-    """f = sqrt(g / l) / 2 pi where it hangs: df/dl = -f / 2l, df/dg = f / 2g."""
-    hanging = pendulum().with_("joints.pivot.friction.viscous", 0)
-    found = fmbd.sensitivity(hanging, ["parameters.length", "gravity.1"], ["frequency.1"], "modes")
+def test_the_modes_of_a_pendulum():
+    """Where it hangs: f = sqrt(g / l) / 2 pi and the damping ratio d / (2 m l^2 sqrt(g / l)), by powers of l and g."""
+    to = {"parameters.length": LENGTH, "gravity.1": -G}
+    found = fmbd.sensitivity(pendulum(), list(to), ["frequency.1", "damping_ratio.1"], "modes")
     f = np.sqrt(G / LENGTH) / (2 * np.pi)
-    assert_close(found["frequency.1", "parameters.length"], -f / (2 * LENGTH))
-    assert_close(found["frequency.1", "gravity.1"], -f / (2 * G))
+    ratio = 0.4 / (2 * 2 * LENGTH**2 * 2 * np.pi * f)
+    assert_allclose(found["frequency.1", "gravity.1"].values, f, rtol=1e-10)
+    assert_allclose(found["damping_ratio.1", "gravity.1"].values, ratio, rtol=1e-10)
+    for path, of_frequency, of_ratio in (("parameters.length", -1 / 2, -3 / 2), ("gravity.1", 1 / 2, -1 / 2)):
+        assert_close(found["frequency.1", path], of_frequency * f / to[path])
+        assert_close(found["damping_ratio.1", path], of_ratio * ratio / to[path])
 
 
 CANTILEVER = {
