@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fmbd.results.run import Run, open_run
     from fmbd.results.simulate import simulate
     from fmbd.studies.refine import refine
+    from fmbd.studies.sensitivity import Sensitivity, sensitivity
     from fmbd.studies.study import Study
     from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
@@ -38,6 +39,7 @@ __all__ = [
     "ModelError",
     "Modes",
     "Run",
+    "Sensitivity",
     "StateSpace",
     "Study",
     "System",
@@ -54,6 +56,7 @@ __all__ = [
     "open_run",
     "refine",
     "report",
+    "sensitivity",
     "simulate",
     "verify",
 ]
@@ -66,6 +69,7 @@ _HOMES = {
     "ModelError": "fmbd.errors",
     "Modes": "fmbd.analyses.vibrations",
     "Run": "fmbd.results.run",
+    "Sensitivity": "fmbd.studies.sensitivity",
     "StateSpace": "fmbd.analyses.state_space",
     "Study": "fmbd.studies.study",
     "System": "fmbd.system",
@@ -81,6 +85,7 @@ _HOMES = {
     "open_run": "fmbd.results.run",
     "refine": "fmbd.studies.refine",
     "report": "fmbd.results.report.page",
+    "sensitivity": "fmbd.studies.sensitivity",
     "simulate": "fmbd.results.simulate",
     "verify": "fmbd.studies.verify",
 }

@@ -26,8 +26,19 @@ Array = np.ndarray
 
 #: Files that an equilibrium can be written to.
 KINDS = (".h5", ".json", ".csv")
-_RATES = ("rate", "velocity", "acceleration", "angular_velocity", "angular_acceleration")
-_OF_RUNS = ("time", "energy.kinetic", "energy.dissipated", "energy.work", "energy.balance")
+#: What the names of quantities end in that are zero at rest, and quantities that only a run has.
+RATES = frozenset(
+    {
+        "rate",
+        "velocity",
+        "acceleration",
+        "angular_velocity",
+        "angular_acceleration",
+        "momentum",
+        "angular_momentum",
+    }
+)
+OF_RUNS = frozenset({"time", "energy.kinetic", "energy.dissipated", "energy.work", "energy.balance"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +88,7 @@ class Equilibrium:
     def names(self) -> list[str]:
         """Quantities that are not rates."""
         return [
-            name for name in self.run.names if name.rpartition(".")[2] not in _RATES and name not in _OF_RUNS
+            name for name in self.run.names if name.rpartition(".")[2] not in RATES and name not in OF_RUNS
         ]
 
     @property

@@ -20,6 +20,7 @@ from fmbd.cli import (
     report,
     run,
     schema,
+    sensitivity,
     statics,
     verify,
 )
@@ -38,6 +39,7 @@ COMMANDS = (
     modes,
     linearize,
     refine,
+    sensitivity,
     verify,
     matrices,
     schema,

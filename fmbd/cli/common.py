@@ -199,7 +199,7 @@ def suffixed(*suffixes: str) -> Callable[[str], Path]:
     return path
 
 
-def add_rest(parser: argparse.ArgumentParser) -> None:
+def add_rest(parser: "argparse.ArgumentParser | argparse._ArgumentGroup") -> None:
     """Arguments of a command that looks for an equilibrium."""
     parser.add_argument(
         "--lock",
@@ -216,6 +216,18 @@ def add_rest(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="driven joints keep the speed that they have then, as in a rotating frame, and do not stand still",
     )
+
+
+def add_analysis(parser: argparse.ArgumentParser) -> None:
+    """The argument --analysis, and those of an equilibrium."""
+    parser.add_argument(
+        "--analysis",
+        choices=["run", "statics", "modes", "frequencies"],
+        default="run",
+        help="over time (default); at the equilibrium; modes about it, as `fmbd modes` finds them; or undamped "
+        "frequencies of beams and springs alone, as `fmbd check` shows them",
+    )
+    add_rest(parser.add_argument_group("of statics and modes"))
 
 
 def _motors(text: str) -> str | list[str]:

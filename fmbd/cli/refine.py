@@ -8,6 +8,7 @@ from fmbd.cli.common import (
     DONE,
     INTERRUPTED,
     STOPPED,
+    add_analysis,
     add_jobs,
     add_model,
     columns,
@@ -20,6 +21,7 @@ from fmbd.cli.common import (
 )
 
 if TYPE_CHECKING:
+    from numpy import ndarray as Array
     from rich.table import Table
 
     from fmbd.studies.study import Result, Study
@@ -28,6 +30,7 @@ EPILOG = """\
   fmbd refine models/five_bar.yaml --over bodies.*.elements=1,2,4,8 --quantity rod_right.end.deflection
   fmbd refine models/pendulum.yaml --over simulation.rtol=1e-4,1e-6,1e-8 --quantity pivot.angle
   fmbd refine models/cantilever.yaml --over bodies.*.elements=1,2,4,8 --analysis modes --quantity frequency.1
+  fmbd refine five_bar.yaml --over bodies.*.elements=1,2,4 --quantity energy.elastic --analysis statics --lock all
 """
 
 
@@ -38,9 +41,9 @@ def add(commands: Any) -> None:
         help="run a model ever finer and say how right it is: orders, error bars, what is enough",
         description="Run a family of models, side by side, and compare. Where two orders of convergence in a row "
         "agree, the error of the finest follows from them (Richardson, with Roache's factor of safety of 1.25); "
-        "elsewhere it is guessed as three times the last difference, and said to be so. The finest is run once more "
-        "with a tenth of its tolerance, so that the error of the time integration is known, too. The exit code is 1 "
-        "if a member fails.",
+        "elsewhere it is guessed, three times the last difference or more, and said to be so. The finest is run once "
+        "more with a tenth of its tolerance, so that the error of the time integration is known, too. The exit code "
+        "is 1 if a member fails.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -60,14 +63,10 @@ def add(commands: Any) -> None:
         nargs="+",
         action="extend",
         required=True,
-        help="what is compared, as `fmbd info ARCHIVE --names` lists it, or frequency.1 and so on of the modes",
+        help="what is compared, as `fmbd info ARCHIVE --names` lists it; of modes frequency.1, damping_ratio.1 and so "
+        "on, or mode.1.NAME, how much a mode of modal mass 1 moves what has the NAME",
     )
-    parser.add_argument(
-        "--analysis",
-        choices=["run", "modes"],
-        default="run",
-        help="over time (default), or natural frequencies",
-    )
+    add_analysis(parser)
     parser.add_argument(
         "-o", "--output", metavar="FILE.h5", type=suffixed(".h5"), help="all series and results"
     )
@@ -94,7 +93,16 @@ def _refine(args: argparse.Namespace) -> int:
     model = read_model(args)
     with compiling_announced(), progress_bar(model.name) as on_progress:
         study = refine(
-            model, dict(args.over), args.quantities, args.analysis, args.jobs, args.check, on_progress
+            model,
+            dict(args.over),
+            args.quantities,
+            args.analysis,
+            args.jobs,
+            args.check,
+            on_progress,
+            time=args.time,
+            lock=args.lock,
+            moving=args.moving,
         )
     _summarise(study)
     if args.output:
@@ -163,11 +171,16 @@ def _once(study: "Study", result: "Result") -> Iterator["str | Table"]:
     for k, (value, share, order) in enumerate(zip(result.values, found.shares(), _orders(result))):
         measured = study.members[result.members[k]].measured
         difference = f"{found.differences[k].end:.2e}" if k < len(found.differences) else ""
-        got = f"{measured.values[result.quantity]:.12g}" if measured else ""
+        got = _numbers(measured.values[result.quantity]) if measured else ""
         table.add_row(f"{value:g}", got, difference, order, _bound(result, share))
     if found.extrapolated is not None:
-        table.add_row("limit", f"{found.extrapolated:.12g}")
+        table.add_row("limit", _numbers(found.extrapolated))
     yield table
+
+
+def _numbers(values: "Array") -> str:
+    """A number, or several columns."""
+    return ", ".join(f"{value:.12g}" for value in values.ravel())
 
 
 def _bound(result: "Result", share: float) -> str:

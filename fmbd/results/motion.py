@@ -102,11 +102,15 @@ class Motion:
 
     def beam_accelerations(self, body: str, x: Array) -> NDArray[np.complex128]:
         """Accelerations [m/s^2] of points of the axis of a beam at positions x [m] (n,), shape (nt, n)."""
-        out = np.empty((len(self.time), x.size), complex)
+        return self.beam_jets(body, x)[2]
+
+    def beam_jets(self, body: str, x: Array) -> PlaneJet:
+        """Jets of points of the deflected axis of a beam at positions x [m] (n,), shape (3, nt, n)."""
+        out = np.empty((3, len(self.time), x.size), complex)
         for segment, here, local in self.system.lowered.segmentation.at(body, x):
             frame = self._frames[segment.body]
             turned = product(turn(frame.angle)[..., None], self._axis(segment.body, local))
-            out[:, here] = frame.place[2][:, None] + turned[2]
+            out[:, :, here] = frame.place[..., None] + turned
         return out
 
     def fixed_points(self, body: str, local: NDArray[np.complex128]) -> NDArray[np.complex128]:

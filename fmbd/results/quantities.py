@@ -6,6 +6,7 @@
     <body>.<point>.position, .velocity, .acceleration       in the world; columns x and y
     <body>.<point>.angle, .angular_velocity, .angular_acceleration      of its axes; a beam's follow the slope
     <body>.angle, ...                       the same of the body's frame
+    <body>.momentum, .angular_momentum      about the world's origin, with its point masses; columns x and y
     <beam>.frame.position, ...              all six of the floating frame; of a beam in segments, those of the
                                             tangent at its start, or of the chord if its frame is one
     <joint>.force, .moment                  what the joint's constraints put on the body of its first point,
@@ -125,6 +126,8 @@ def _computed(model: Model) -> Named:
             yield from _track(f"{name}.{point}", partial(_point, name, point))
         frame = partial(_frame, name)
         yield from _angles(name, frame)
+        yield f"{name}.momentum", Quantity("kg m/s", partial(_momentum, name), ("x", "y"))
+        yield f"{name}.angular_momentum", Quantity("kg m^2/s", partial(_angular_momentum, name))
         if isinstance(body, Beam):
             yield from _track(f"{name}.frame", frame)
             yield from _beam(name, body)
@@ -132,6 +135,18 @@ def _computed(model: Model) -> Named:
         yield from _motor(model, name)
     for name in model.springs:
         yield from _spring(model, name)
+
+
+def _momentum(body: str, run: "Run") -> Array:
+    from fmbd.results.momenta import momentum
+
+    return vectors(momentum(run.motion, body)[0])
+
+
+def _angular_momentum(body: str, run: "Run") -> Array:
+    from fmbd.results.momenta import momentum
+
+    return momentum(run.motion, body)[1]
 
 
 TrackOf = Callable[["Run"], "Track"]

@@ -1,1 +1,1 @@
-"""Many runs with one question: is a model right (`verify`), and how right (`refine`)?"""
+"""Many runs with one question: is a model right (`verify`), how right (`refine`), what matters (`sensitivity`)?"""

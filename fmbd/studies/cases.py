@@ -20,13 +20,14 @@
         order: 4                                  # of convergence, observed in the last three
         tolerance: 0.1
 
-Numbers may be expressions over the parameters of the model. Names of quantities are those of `measure`.
+Numbers may be expressions over the parameters of the model. Analyses and the names of their quantities are those of
+`measure.Analysis`; `time`, `lock` and `moving` say more about statics and modes.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, TypeAdapter, ValidationError, model_validator
 
@@ -38,6 +39,7 @@ from fmbd.model.document import Document, parse
 from fmbd.model.fileformat import supported_format
 from fmbd.model.names import described
 from fmbd.model.problems import Problems
+from fmbd.studies.measure import Analysis, Kind
 
 #: What the names of case files end in.
 SUFFIX = ".case.yaml"
@@ -63,7 +65,10 @@ class Check(Part):
 
     variant: Text = ""
     set: dict[Text, Any] = Field(default_factory=dict)
-    analysis: Literal["run", "modes"] = "run"
+    analysis: Kind = "run"
+    time: NotNegative | None = None
+    lock: Text | list[Text] | None = None
+    moving: bool = False
     quantities: list[Text]
     at: dict[Number, list[Number]] | None = None
     values: list[Number] | None = None
@@ -85,10 +90,19 @@ class Check(Part):
             reject(
                 (kinds[0],), f"is not for the analysis '{self.analysis}', which is compared by '{kinds[1]}'"
             )
+        try:
+            _ = self.asked
+        except ModelError as error:
+            reject((), str(error))
         for path, row in self._rows():
             if len(row) != len(self.quantities):
                 reject(path, f"has {len(row)} values for {len(self.quantities)} quantities")
         return self
+
+    @property
+    def asked(self) -> Analysis:
+        """The analysis with its options; raises ModelError for those that it does not have."""
+        return Analysis.of(self.analysis, self.time, self.lock, self.moving)
 
     @property
     def count(self) -> int:

@@ -6,9 +6,16 @@
     c      agreement of two differences, their correlation: 1 where the error keeps its course and only shrinks
 
 If Q_k = Q + C h_k^p with a C that does not depend on h, then p is the same for each three resolutions, c is 1, and the
-error of the finest is D_(m-1) / (r^p - 1): the results are in the asymptotic range. Only then is that said, after P. J.
-Roache, Verification and Validation in Computational Science and Engineering, Hermosa, 1998: with the factor of safety
-1.25, and with the factor 3 on the difference itself, as for p = 1 and r = 2, where nothing confirms an order.
+error of the finest is D_(m-1) / (r^p - 1): the results are in the asymptotic range. Only then is that said, with the
+factor of safety 1.25 of P. J. Roache, Verification and Validation in Computational Science and Engineering, Hermosa,
+1998. Elsewhere the factor is 3:
+
+    on |D_(m-1)| / (r^p - 1), but with a p of 1/2 at least, where the last two differences shrink on one course; never
+    less than on |D_(m-1)| itself (W. L. Oberkampf and C. J. Roy, Verification and Validation in Scientific Computing,
+    Cambridge, 2010, section 8.7)
+    on the range of the last three results, where they do not: they swing, or go astray (L. Eca and M. Hoekstra, Journal
+    of Computational Physics 262, 2014, pp. 104-130)
+    on |D_1| where there is no other
 """
 
 from collections.abc import Sequence
@@ -23,7 +30,7 @@ Array = np.ndarray
 SAME_ORDER = 0.2
 AGREEING = 0.8
 SMALLEST_ORDER = 0.5
-#: Factors of safety on the error that an order gives, and on a difference where there is no order.
+#: Factors of safety where an order is settled, and where none is.
 SETTLED, UNSETTLED = 1.25, 3.0
 
 _LARGEST_ORDER = 20.0
@@ -50,6 +57,11 @@ class Size:
 
     def __mul__(self, factor: float) -> "Size":
         return Size(self.largest * factor, self.mean * factor, self.end * factor)
+
+    def or_larger(self, *others: "Size") -> "Size":
+        """The largest of each."""
+        sizes = (self, *others)
+        return Size(max(s.largest for s in sizes), max(s.mean for s in sizes), max(s.end for s in sizes))
 
     def __add__(self, other: "Size") -> "Size":
         return Size(self.largest + other.largest, self.mean + other.mean, self.end + other.end)
@@ -111,7 +123,7 @@ def convergence(
         observed_order(differences[k], differences[k + 1], sizes[k : k + 3]) for k in range(len(values) - 2)
     )
     settled = is_settled(orders) and (disturbance is None or disturbance.mean <= 0.1 * steps[-1].mean)
-    bar, extrapolated = steps[-1] * UNSETTLED, None
+    bar, extrapolated = _cautious(differences, orders, sizes) * UNSETTLED, None
     if settled:
         gain = (sizes[-2] / sizes[-1]) ** orders[-1].order - 1.0
         bar, extrapolated = steps[-1] * (SETTLED / gain), values[-1] - differences[-1] / gain
@@ -124,6 +136,18 @@ def convergence(
         size=Size.of(values[-1]),
         extrapolated=extrapolated,
     )
+
+
+def _cautious(differences: Sequence[Array], orders: Sequence[Order], sizes: Sequence[float]) -> Size:
+    """What the error of the finest is guessed from where no order is settled."""
+    last = Size.of(differences[-1])
+    if not orders:
+        return last
+    if orders[-1].order > 0.0 and orders[-1].agreement >= AGREEING:
+        ratio = abs(sizes[-2] / sizes[-1])
+        return last * max(1.0, 1.0 / (ratio ** max(orders[-1].order, SMALLEST_ORDER) - 1.0))
+    both = Size.of(differences[-2]), Size.of(differences[-2] + differences[-1])
+    return last.or_larger(*both)
 
 
 def is_settled(orders: Sequence[Order]) -> bool:

@@ -4,6 +4,7 @@ With several values to refine, each is refined while the others are at their fin
 members are as many as there are values, and all share the finest.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import pairwise
@@ -11,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from fmbd.errors import ModelError, UnknownQuantity
-from fmbd.model import Model, load_model
+from fmbd.model import Beam, Model, load_model
 from fmbd.solvers.auto import TIGHT
-from fmbd.studies.measure import COMPLETE, Measured, columns_of, measure
+from fmbd.studies.measure import COMPLETE, Analysis, Kind, Measured, columns_of, measure
 from fmbd.studies.pool import Report, side_by_side
 from fmbd.studies.study import Axis, Member, Study, finest
 
@@ -29,28 +30,35 @@ def refine(
     model: Model | str | Path,
     over: Mapping[str, Sequence[Any]],
     quantities: Sequence[str],
-    analysis: str = "run",
+    analysis: Kind = "run",
     jobs: int = 1,
     check: bool = True,
     on_progress: Report | None = None,
+    *,
+    time: float | None = None,
+    lock: str | Sequence[str] | None = None,
+    moving: bool = False,
 ) -> Study:
     """Refine a model and say how right it is.
 
     over: values from coarse to fine by path, such as {"bodies.*.elements": [1, 2, 4, 8]}; of several each is refined
     while the others are at their finest
-    quantities: names of a Run, or `frequency.1` and so on with the analysis `modes`
+    quantities: names of a Run, or what other analyses have: see `measure.Analysis`
+    analysis: `run`, `statics`, `modes` or `frequencies`
     jobs: processes; a script that wants more than one needs `if __name__ == "__main__"`
     check: whether the finest is run once more, with a tighter tolerance, to measure the error of time
+    time, lock, moving: of statics and modes, as `fmbd.equilibrium` takes them
 
     A member that fails is reported in the study and left out of it; Ctrl-C leaves out what is not done. Raises
     ModelError and UnknownQuantity before anything is run.
     """
     if not isinstance(model, Model):
         model = load_model(model)
+    asked = Analysis.of(analysis, time, lock, moving)
     axes = tuple(_axis(path, values) for path, values in over.items())
     family = _family(axes)
     models = [changed(model, changes) for changes in family]
-    _comparable(models, quantities, analysis)
+    _comparable(models, quantities, asked)
     check = check and analysis == "run" and not all(axis.is_of_time for axis in axes)
     queue = [(changes, member) for changes, member in zip(family, models)]
     if check:
@@ -58,7 +66,7 @@ def refine(
         queue.append((finest(axes) | tight, changed(models[-1], tight)))
     # the coarsest first, it compiles for all; then those that take longest
     order = [0, *range(len(queue) - 1, 0, -1)]
-    tasks = [partial(_measured, queue[k][1], tuple(quantities), analysis) for k in order]
+    tasks = [partial(_measured, queue[k][1], tuple(quantities), asked) for k in order]
     found: dict[int, Any] = {}
     interrupted = False
     try:
@@ -69,7 +77,7 @@ def refine(
     members = [_member(changes, found.get(k)) for k, (changes, _) in enumerate(queue)]
     return Study(
         model=model,
-        analysis=analysis,
+        analysis=asked,
         quantities=tuple(quantities),
         axes=axes,
         members=tuple(members[: len(family)]),
@@ -78,7 +86,7 @@ def refine(
     )
 
 
-def _measured(model: Model, names: Sequence[str], analysis: str, report: Report) -> Measured:
+def _measured(model: Model, names: Sequence[str], analysis: Analysis, report: Report) -> Measured:
     return measure(model, names, analysis, report)
 
 
@@ -132,8 +140,10 @@ def tightened(model: Model) -> dict[str, Any]:
     return tighter
 
 
-def _comparable(models: Sequence[Model], names: Sequence[str], analysis: str) -> None:
+def _comparable(models: Sequence[Model], names: Sequence[str], analysis: Analysis) -> None:
     """Raise UnknownQuantity or ModelError where members could not be compared."""
+    for name in names:
+        _at_one_place(models, name)
     first, last = (columns_of(model, names, analysis) for model in (models[0], models[-1]))
     for name in names:
         if first[name] != last[name]:
@@ -142,5 +152,26 @@ def _comparable(models: Sequence[Model], names: Sequence[str], analysis: str) ->
                 f"{name.rpartition('.')[0]}.end.{name.rpartition('.')[2]}"
             )
     times = {(model.simulation.duration, model.simulation.output_interval) for model in models}
-    if analysis == "run" and len(times) > 1:
+    if analysis.kind == "run" and len(times) > 1:
         raise ModelError(["members must have the same duration and output interval to be compared"])
+
+
+def _at_one_place(models: Sequence[Model], name: str) -> None:
+    """Raise UnknownQuantity for a quantity at a node that is elsewhere in other members, or not there."""
+    body, *parts = re.sub(r"^mode\.\d+\.", "", name).split(".")
+    for part in parts:
+        number = re.fullmatch(r"(node|w|slope)(\d+)", part)
+        beams = [beam for model in models if isinstance(beam := model.bodies.get(body), Beam)]
+        if number is None or not beams:
+            continue
+        ends = [(beam.points.get(f"node{number[2]}"), beam.length) for beam in beams]
+        places = {None if x is None else round(x / length, 9) for x, length in ends}
+        if len(places) > 1:
+            x = next(x for x, _ in ends if x is not None)
+            quantity = {"w": "deflection", "slope": "slope"}.get(
+                number[1], next((other for other in parts if other != part), "deflection")
+            )
+            raise UnknownQuantity(
+                f"'{name}' is at another place in each member: give the place a name, such as "
+                f"--set bodies.{body}.points.here={x:g}, and ask for {body}.here.{quantity}"
+            )

@@ -10,7 +10,7 @@ import numpy as np
 
 from fmbd.model import Model
 from fmbd.studies.convergence import AGREEING, Convergence, Size, convergence
-from fmbd.studies.measure import Measured
+from fmbd.studies.measure import Analysis, Measured
 
 #: Accuracies of which a verdict says what is enough.
 ACCURACIES = (0.01, 0.001)
@@ -104,7 +104,7 @@ class Study:
     """What `refine` finds."""
 
     model: Model
-    analysis: str
+    analysis: Analysis
     quantities: tuple[str, ...]
     axes: tuple[Axis, ...]
     members: tuple[Member, ...]

@@ -31,7 +31,7 @@ def write_study(study: Study, path: Path) -> None:
         raise OSError(f"cannot write {path}: {error}") from None
     with file:
         file.attrs.update(provenance(study.model.yaml()))
-        file.attrs.update({"analysis": study.analysis, "quantities": list(study.quantities)})
+        file.attrs.update({"analysis": str(study.analysis), "quantities": list(study.quantities)})
         file["model"] = study.model.yaml()
         for k, member in enumerate(study.members):
             _member(file.create_group(f"members/{k}"), member)

@@ -14,7 +14,7 @@ from fmbd.model import Model
 from fmbd.model.names import unknown
 from fmbd.studies.cases import SUFFIX, Case, Check, load_case
 from fmbd.studies.convergence import observed_order
-from fmbd.studies.measure import COMPLETE, Measured, measure
+from fmbd.studies.measure import COMPLETE, Analysis, Measured, columns_of, measure
 from fmbd.studies.pool import Report, side_by_side
 
 #: Where the cases of fmbd itself are.
@@ -104,11 +104,11 @@ def verify(
     return [found for checked in checks for found in checked.compare(measured)]
 
 
-def _measured(model: Model, names: Sequence[str], analysis: str, report: Report) -> Measured:
+def _measured(model: Model, names: Sequence[str], analysis: Analysis, report: Report) -> Measured:
     return measure(model, names, analysis, report)
 
 
-Key = tuple[str, str]  # changed model and analysis
+Key = tuple[str, Analysis]  # changed model and analysis
 
 
 class _Checked:
@@ -118,7 +118,7 @@ class _Checked:
         self.case, self.k = case, k
         self.check: Check = case.file.expect[k]
         self.models: dict[Key, Model] = {
-            (json.dumps([str(case.path), model.overrides]), self.check.analysis): model for model in models
+            (json.dumps([str(case.path), model.overrides]), self.check.asked): model for model in models
         }
 
     def compare(self, results: "Mapping[Key, Measured | Exception]") -> Iterator[Comparison]:
@@ -137,12 +137,22 @@ class _Checked:
                 problem = problem or (result.status if result.status != COMPLETE else "")
                 measured.append(result)
         for column, name in enumerate(self.check.quantities):
+            if measured and measured[0].values[name].ndim > (measured[0].time is not None):
+                raise self.case.error(
+                    ("expect", self.k, "quantities"),
+                    f"'{name}' has several columns: name one, such as {self._column(name)}",
+                )
             if problem:
                 yield self._comparison(name, "", 0, None, np.nan, np.nan, problem)
             elif self.check.order is not None:
                 yield self._order(name, measured)
             else:
                 yield self._values(name, column, measured[0])
+
+    def _column(self, name: str) -> str:
+        """The first of the columns of a quantity."""
+        model = next(iter(self.case.variants(self.k, {})))
+        return f"{name}.{columns_of(model, [name], self.check.asked)[name][0]}"
 
     def _values(self, name: str, column: int, measured: Measured) -> Comparison:
         """The value that comes closest to failing, or fails by most."""

@@ -67,6 +67,19 @@ def test_analyses(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.startswith("stable -0.00098")
 
 
+def test_sensitivity(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The derivatives that are shown, to seven digits."""
+    program, *arguments = shlex.split(block("sh", "fmbd sensitivity"))
+    assert program == ".venv/bin/fmbd"
+    assert main(arguments) == 0
+    row = re.compile(r"^(effector.force.[xy]) \[N\] +(\S+) +(\S+)", re.MULTILINE)
+    shown, got = row.findall(README), row.findall(capsys.readouterr().out)
+    assert len(shown) == 2
+    for one, other in zip(shown, got):
+        assert one[0] == other[0]
+        assert [float(x) for x in one[1:]] == pytest.approx([float(x) for x in other[1:]], rel=1e-7)
+
+
 def test_citation_and_changelog_know_the_version() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert citation["version"] == fmbd.__version__

@@ -25,7 +25,7 @@ expect:
   - quantities: [pivot.angle.acceleration, bob.center_of_mass.position.x]
     at: {0: [-9/length, length]}
     tolerance: 1e-12
-  - analysis: modes
+  - analysis: frequencies
     variant: with a spring
     set: {joints.pivot.spring: {stiffness: 16}}
     quantities: [frequency.1]
@@ -90,14 +90,17 @@ MISTAKES = [
     ("bob.yaml", "bub.yaml", "bob.case.yaml:2:8: model: there is no file 'bub.yaml'"),
     ("rtol", "rtoll", "bob.case.yaml:4:1: set: bob.yaml: simulation: unknown key 'rtoll', did you mean 'rtol'?"),
     ("pivot.angle.acc", "pivot.angel.acc", "bob.case.yaml:6:17: expect[0].quantities: no quantity 'pivot.angel.acceleration', did you mean 'pivot.angle.acceleration'?"),
+    ("position.x]", "position]", "bob.case.yaml:6:17: expect[0].quantities: 'bob.center_of_mass.position' has several columns: name one, such as bob.center_of_mass.position.x"),
     ("-9/length, length", "-9/length", "bob.case.yaml:7:13: expect[0].at.0: has 1 values for 2 quantities"),
     ("{0: [", "{0.02: [", "bob.case.yaml:7:5: expect[0].at: 0.02 s is no output time; near it there is 0 s"),
     ("length]}", "lenght]}", "bob.case.yaml:7:25: expect[0].at.0[1]: unknown name 'lenght', did you mean 'length'?"),
     ("1e-12", "-1", "bob.case.yaml:8:16: expect[0].tolerance: must not be negative, is -1"),
-    ("analysis: modes", "analysis: mode", "bob.case.yaml:9:15: expect[1].analysis: unknown choice 'mode', did you mean 'modes'? (one of: run, modes)"),
+    ("analysis: frequencies", "analysis: mode", "bob.case.yaml:9:15: expect[1].analysis: unknown choice 'mode', did you mean 'modes'? (one of: run, statics, modes, frequencies)"),
+    ("analysis: frequencies", "moving: true", "bob.case.yaml:13:13: expect[1].values: is not for the analysis 'run', which is compared by 'at'"),
+    ("    variant: with a spring", "    moving: true", "bob.case.yaml:9:5: expect[1]: moving: is for the analyses statics and modes, not for frequencies"),
     ("stiffness", "stifness", "bob.case.yaml:11:5: expect[1].set: bob.yaml: joints.pivot.spring: unknown key 'stifness', did you mean 'stiffness'?"),
     ("frequency.1", "frequency.2", "bob.case.yaml:12:17: expect[1].quantities: no quantity 'frequency.2': the last is frequency.1"),
-    ("values: [1/pi]", "at: {1: [1/pi]}", "bob.case.yaml:13:5: expect[1].at: is not for the analysis 'modes', which is compared by 'values'"),
+    ("values: [1/pi]", "at: {1: [1/pi]}", "bob.case.yaml:13:5: expect[1].at: is not for the analysis 'frequencies', which is compared by 'values'"),
     ("    values: [1/pi]\n", "", "bob.case.yaml:9:5: expect[1]: needs one of the keys 'at', 'values' and 'order'"),
 ]  # fmt: skip
 

@@ -55,19 +55,31 @@ def test_numbers_and_vectors_converge_as_signals_do():
 
 
 @pytest.mark.parametrize(
-    "errors",
+    ("errors", "guess"),
     [
-        [1, 0.5, 0.25],  # three members confirm no order
-        [1, 0.5, 0.25, 0.25],  # no longer shrinks
-        [1, -0.5, 0.25, -0.125],  # swings about the limit
-        [1, 0.5, 0.4, 0.1],  # now slow, now fast
+        ([1, 0.25], 0.75),  # two members: their difference
+        ([1, 0.5, 0.25], 0.25),  # three confirm no order; the last difference, as for order 1
+        ([1, 0.1, 0.05], 0.05),  # no more is believed
+        ([1, 0.9, 0.5, 0.25], 0.25 / 0.6),  # r^p = 0.4 / 0.25
+        ([1, 0.7, 0.4, 0.15], 0.25 / (2**0.5 - 1)),  # slow: by order 1/2 the error is 2.4 last differences
+        ([1, 0.5, 0.25, 0.25], 0.25),  # no longer shrinks, by chance perhaps: the range of the last three
+        ([1, -0.5, 0.25, -0.125], 0.75),  # swings about the limit
+        ([1, 0.5, 0.4, 0.1], 0.4),  # now slow, now fast
     ],
 )
-def test_what_is_not_in_the_asymptotic_range_gets_three_times_the_last_difference(errors):
+def test_what_is_not_in_the_asymptotic_range_gets_a_cautious_bar(errors, guess):
     sizes = 0.5 ** np.arange(len(errors))
     found = convergence([EXACT + COURSE * error for error in errors], sizes)
     assert not found.is_settled
     assert found.extrapolated is None
+    assert_allclose(found.bar.mean, 3 * guess * Size.of(COURSE).mean)
+    assert_allclose(found.bar.largest, 3 * guess * Size.of(COURSE).largest)
+    assert found.bar.mean > abs(errors[-1]) * Size.of(COURSE).mean
+
+
+def test_sizes_far_apart_do_not_make_a_guess_bold():
+    """Tolerances a hundred times apart: by order 1 the error would be a hundredth of the last difference."""
+    found = convergence([EXACT + COURSE * h for h in (1e-2, 1e-4, 1e-6)], [1e-2, 1e-4, 1e-6])
     assert_allclose(found.bar.mean, 3 * found.steps[-1].mean)
 
 

@@ -111,3 +111,48 @@ def test_quantities_that_cannot_be_compared(capsys):
     assert "did you mean 'beam.end.deflection'?" in capsys.readouterr().err
     assert main(["refine", BEAM, *over, "--quantity", "beam.deflection"]) == 2
     assert "ask for a point, such as beam.end.deflection" in capsys.readouterr().err
+    for name, advice in {
+        "beam.node2.slope": "points.here=1, and ask for beam.here.slope",
+        "beam.deflection.node1": "points.here=1, and ask for beam.here.deflection",
+        "beam.w1": "points.here=1, and ask for beam.here.deflection",
+        "beam.slope1.rate": "points.here=1, and ask for beam.here.slope",
+    }.items():
+        assert main(["refine", BEAM, *over, "--quantity", name]) == 2
+        message = (
+            f"'{name}' is at another place in each member: give the place a name, such as --set bodies.beam."
+        )
+        assert capsys.readouterr().err == f"{message}{advice}\n"
+
+
+def test_a_place_with_a_name_stays_where_it_is(capsys):
+    """Static deflection q x^2 (6 L^2 - 4 L x + x^2) / 24 EI at a third of the length, and at the fixed node 0."""
+    names = ["beam.here.deflection", "beam.node0.bending_moment", "beam.end.position"]
+    where = ["--set", "bodies.beam.points.here=1/3", "--set", "gravity=[0, -1e-3]", "--set", "loads={}"]
+    over = ["--over", "bodies.*.elements=1,2,4,8", "--analysis", "statics", "-o", "study.h5", "--jobs", "1"]
+    assert main(["refine", BEAM, *where, *over, "--quantity", *names]) == 0
+    assert "beam.end.position [m]" in capsys.readouterr().out
+    with h5py.File("study.h5") as file:
+        assert file.attrs["analysis"] == "statics"
+        assert file["members/3/values/beam.end.position"].shape == (1, 2)
+        found = file["members/3/values/beam.here.deflection"][()]
+    assert_allclose(found, -1e-3 / 9 * (6 - 4 / 3 + 1 / 9) / 24, rtol=1e-3)
+
+
+def test_what_holds_the_motors_of_an_equilibrium(capsys):
+    """Torques that hold the five-bar, as `fmbd.equilibrium` finds them; what rests has no rates."""
+    five_bar = str(MODELS / "five_bar.yaml")
+    over = ["--over", "bodies.*.elements=1,2", "--quantity", "motor_right.torque", "--jobs", "1"]
+    assert main(["refine", five_bar, *over, "--lock", "all"]) == 2
+    assert capsys.readouterr().err == "lock: is for the analyses statics and modes, not for run\n"
+    held = fmbd.refine(five_bar, {ELEMENTS: [1, 2]}, ["motor_right.torque"], "statics", lock="all")
+    rest = fmbd.equilibrium(fmbd.load_model(five_bar, {ELEMENTS: 2}), lock="all")
+    assert held.members[-1].measured.values["motor_right.torque"] == rest["motor_right.torque"]
+    assert (
+        main(
+            ["refine", five_bar, *over[:-4], "--analysis", "statics", "--quantity", "elbow_right.angle.rate"]
+        )
+        == 2
+    )
+    assert (
+        capsys.readouterr().err == "no quantity 'elbow_right.angle.rate': nothing moves at an equilibrium\n"
+    )
