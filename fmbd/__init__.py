@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fmbd.results.simulate import simulate
     from fmbd.studies.refine import refine
     from fmbd.studies.study import Study
+    from fmbd.studies.study_file import open_study
     from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
 
@@ -52,6 +53,7 @@ __all__ = [
     "load_model",
     "modes",
     "open_run",
+    "open_study",
     "refine",
     "report",
     "simulate",
@@ -79,6 +81,7 @@ _HOMES = {
     "load_model": "fmbd.model",
     "modes": "fmbd.analyses.vibrations",
     "open_run": "fmbd.results.run",
+    "open_study": "fmbd.studies.study_file",
     "refine": "fmbd.studies.refine",
     "report": "fmbd.results.report.page",
     "simulate": "fmbd.results.simulate",

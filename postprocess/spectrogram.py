@@ -12,7 +12,7 @@ from scipy.signal import ShortTimeFFT, detrend
 
 import fmbd
 from fmbd.results.plots.charts import typeset
-from fmbd.results.plots.figure import WIDTH, save, style
+from fmbd.results.plots.style import WIDTH, save, style
 
 DECADES = 5  # of amplitude that the colours span
 

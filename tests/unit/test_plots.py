@@ -11,11 +11,11 @@ from numpy.testing import assert_allclose
 
 import fmbd
 from fmbd.results.plots.charts import Curve, labels_of, scaled
-from fmbd.results.plots.figure import save
 from fmbd.results.plots.kinds import KINDS, chart
 from fmbd.results.plots.mechanism import coil
 from fmbd.results.plots.plot import charts, figures
 from fmbd.results.plots.spectra import peaks, spectrum
+from fmbd.results.plots.style import save
 
 MODELS = Path(__file__).parents[2] / "models"
 
