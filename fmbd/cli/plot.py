@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fmbd.cli.common import BAD_INPUT, DONE, columns, compiling_announced, replacing, show, suffixed
+from fmbd.cli.common import BAD_INPUT, DONE, PICTURES, columns, compiling_announced, replacing, show, suffixed
 
 if TYPE_CHECKING:
     from fmbd.results.plots.charts import Chart
 
-FORMATS = (".png", ".svg", ".pdf")
 KINDS = "joints, beams, constraints, energy, motors, reactions, shapes, mechanism"
 
 EPILOG = f"""\
@@ -52,7 +51,7 @@ def add(commands: Any) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        type=suffixed(*FORMATS),
+        type=suffixed(*PICTURES),
         help="the file, .png, .svg or .pdf (default: the archive's name and that of the figure, .png)",
     )
     parser.add_argument("--spectrum", action="store_true", help="amplitudes by frequency instead of time")

@@ -10,6 +10,7 @@ from fmbd.cli.common import (
     STOPPED,
     add_jobs,
     add_model,
+    add_plot,
     columns,
     compiling_announced,
     facts,
@@ -17,6 +18,7 @@ from fmbd.cli.common import (
     read_model,
     show,
     suffixed,
+    write_plot,
 )
 
 if TYPE_CHECKING:
@@ -71,7 +73,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE.h5", type=suffixed(".h5"), help="all series and results"
     )
-    parser.add_argument("--plot", metavar="FILE", type=suffixed(".svg", ".pdf", ".png"), help="a figure")
+    add_plot(parser, "values, differences over time and convergence")
     parser.add_argument(
         "--no-check", dest="check", action="store_false", help="do not run the finest once more"
     )
@@ -100,9 +102,7 @@ def _refine(args: argparse.Namespace) -> int:
     if args.output:
         study.save(args.output)
         show(f"wrote {args.output}")
-    if args.plot:
-        study.plot(args.plot)
-        show(f"wrote {args.plot}")
+    write_plot(args.plot, study.plot)
     if study.is_interrupted:
         return INTERRUPTED
     return STOPPED if any(member.problem for member in study.members) else DONE

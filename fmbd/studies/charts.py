@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from fmbd.results.plots.charts import Chart, Curve, Panel
+from fmbd.results.plots.figure import NO_BREAK
 from fmbd.studies.study import Result, Study
 
 Array = np.ndarray
@@ -66,8 +67,8 @@ def errors(result: Result) -> Panel:
             curves.append(_ascending(label, x[:-1], np.where(y > 0.0, y, np.nan), "points"))
     for norm, label in norms.items():
         if (bar := getattr(found.bar, norm)) > 0.0:
-            bar_label = f"error bar of {_finest(result)}" + (f", {label}" if result.is_over_time else "")
-            curves.append(Curve(bar_label, x[-1:], np.array([bar]), "points"))
+            name = f"error bar, {label}" if result.is_over_time else "error bar"
+            curves.append(Curve(name, x[-1:], np.array([bar]), "points"))
     if found.is_settled:
         sizes = np.array([result.axis.sizes[result.axis.values.index(value)] for value in result.values])
         line = y[-1] * (sizes / sizes[-2]) ** found.order
@@ -86,7 +87,7 @@ def _short(result: Result) -> str:
 
 
 def _finest(result: Result) -> str:
-    return f"{result.axis.key} = {result.values[-1]:g}"
+    return f"{result.axis.key}{NO_BREAK}={NO_BREAK}{result.values[-1]:g}"
 
 
 def _series(study: Study, result: Result) -> Iterator[tuple[str, Array, Array]]:

@@ -10,14 +10,12 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import NullFormatter
 
 from fmbd.results.plots.charts import Chart, Panel, scale_of
-from fmbd.results.plots.style import COLOURS, DASHES, MARKERS, WIDTH, graded, style, told_apart
+from fmbd.results.plots.style import MARKERS, TOLD_APART, WIDTH, graded, style, told_apart
 
 ROW = 1.45  # inches, height of a panel
 LINE = 0.16  # inches, of a legend
 
-#: More curves than this are drawn as a family, in the order of a map of colours, and only some are named.
-TOLD_APART = len(COLOURS) * len(DASHES)
-NAMED = 9
+NAMED = 9  # curves of a family
 AXIS_LINE = 20  # characters beside a panel
 NO_BREAK = "\u00a0"
 SPACING: Any = {"handlelength": 1.6, "columnspacing": 1.2}
@@ -87,6 +85,7 @@ def _look(panel: Panel, k: int) -> dict[str, Any]:
 
 
 def _is_family(panel: Panel) -> bool:
+    """Whether curves are drawn in the order of a map of colours, and only some are named."""
     return panel.together == "family" or len(panel.curves) > TOLD_APART
 
 

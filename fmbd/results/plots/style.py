@@ -24,6 +24,7 @@ STYLE: Any = {
     "axes.titlesize": 9,
     "axes.titlelocation": "left",
     "axes.xmargin": 0.0,
+    "figure.titlesize": 10,
     "grid.color": "0.88",
     "grid.linewidth": 0.5,
     "legend.frameon": False,
@@ -43,6 +44,8 @@ STYLE: Any = {
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9")
 DASHES: Any = ("-", (0, (5, 2)), (0, (1, 1.5)))
 MARKERS = "osD^vPX*"
+#: So many curves have looks of their own.
+TOLD_APART = len(COLOURS) * len(DASHES)
 
 
 @contextmanager
