@@ -6,7 +6,6 @@ from typing import Literal
 import numpy as np
 
 from fmbd.results.plots.charts import Chart, Curve, Panel
-from fmbd.results.plots.figure import NO_BREAK
 from fmbd.studies.study import Result, Study
 
 Array = np.ndarray
@@ -17,14 +16,14 @@ CROSSING = 0.01
 
 
 def charts(study: Study) -> Iterator[Chart]:
-    """Of each quantity along each axis: over time, and the errors."""
+    """Of each quantity along each axis: over time; then the errors."""
     for result in study.results:
-        name = f"{result.quantity} by {result.axis.key}"
         if result.is_over_time:
-            panels = (*over_time(study, result), differences(study, result))
-            yield Chart(f"{name} over time", f"{result.quantity}: members by {result.axis.key}", (panels,))
-        across = (result.axis.key, "")
-        yield Chart(name, f"{result.quantity}: convergence", ((errors(result),),), across, True)
+            name, title = f"{result.quantity} over time", f"{result.quantity} by {result.axis.path}"
+            yield Chart(name, title, ((*over_time(study, result), differences(study, result)),))
+    for result in study.results:
+        title = f"Convergence: {result.quantity} by {result.axis.path}"
+        yield Chart(result.quantity, title, ((errors(result),),), (result.axis.key, ""), True)
 
 
 def over_time(study: Study, result: Result) -> list[Panel]:
@@ -52,7 +51,7 @@ def differences(study: Study, result: Result) -> Panel:
     if result.time_error is not None and result.time_error.mean > least:
         level = np.full(2, result.time_error.mean)
         curves.append(Curve("time integration", time[[0, -1]], level, "guide"))
-    return Panel(f"difference to {_finest(result)}", result.unit, tuple(curves), logarithmic=True)
+    return Panel("difference", result.unit, tuple(curves), True, f"difference to {_finest(result)}")
 
 
 def errors(result: Result) -> Panel:
@@ -73,7 +72,7 @@ def errors(result: Result) -> Panel:
         sizes = np.array([result.axis.sizes[result.axis.values.index(value)] for value in result.values])
         line = y[-1] * (sizes / sizes[-2]) ** found.order
         curves.append(_ascending(f"order {found.order:.2g}", x, line, "guide"))
-    return Panel(f"difference to {_finest(result)}", result.unit, tuple(curves), logarithmic=True)
+    return Panel("difference", result.unit, tuple(curves), True, f"difference to {_finest(result)}")
 
 
 def _ascending(label: str, x: Array, y: Array, look: Look) -> Curve:
@@ -87,7 +86,7 @@ def _short(result: Result) -> str:
 
 
 def _finest(result: Result) -> str:
-    return f"{result.axis.key}{NO_BREAK}={NO_BREAK}{result.values[-1]:g}"
+    return f"{result.axis.key} = {result.values[-1]:g}"
 
 
 def _series(study: Study, result: Result) -> Iterator[tuple[str, Array, Array]]:

@@ -1,5 +1,7 @@
 """A study as a figure: a row for each quantity, its values, its differences to the finest, its errors."""
 
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -39,13 +41,15 @@ def draw(study: Study, width: float | None = None) -> Figure:
 def _draw_over_time(left: Axes, right: Axes, study: Study, result: Result) -> None:
     """All columns of a quantity in one panel, each with dashes of its own; the differences."""
     panels = over_time(study, result)
+    pair = len(panels) == 2
     for k, panel in enumerate(panels):
         before = len(left.lines)
-        draw_panel(left, panel)
+        draw_panel(
+            left, replace(panel, quantity=panel.quantity.removesuffix(f" {'xy'[k]}")) if pair else panel
+        )
         for line in left.lines[before:]:
             line.set_linestyle(DASHES[k % len(DASHES)])
-    if len(panels) == 2:
-        left.set_ylabel(left.get_ylabel().replace(" y ", " "))
+    if pair:
         left.set_title("x full, y dashed")
     draw_panel(right, differences(study, result))
     right.set_xlim(left.get_xlim())
@@ -56,8 +60,10 @@ def _draw_over_time(left: Axes, right: Axes, study: Study, result: Result) -> No
 def _draw_errors(ax: Axes, panel: Panel, result: Result) -> None:
     draw_panel(ax, panel)
     ax.set_xscale("log")
-    ax.margins(x=0.08)
-    ax.set_xticks(np.array(result.values, float), [_in_print(value) for value in result.values])
+    values = np.array(result.values, float)
+    room = (values.max() / values.min()) ** 0.08
+    ax.set_xlim(values.min() / room, values.max() * room)
+    ax.set_xticks(values, [_in_print(value) for value in result.values])
     ax.minorticks_off()
     ax.set_xlabel(result.axis.key)
 

@@ -170,6 +170,12 @@ class Study:
 
         save(draw(self), path)
 
+    def report(self) -> str:
+        """A page of HTML with verdicts, plots, tables and the model; raises ValueError for a study without results."""
+        from fmbd.studies.report import report
+
+        return report(self)
+
 
 def finest(axes: Sequence[Axis]) -> dict[str, Any]:
     """The changes of the finest member."""

@@ -56,8 +56,11 @@ def draw_panel(ax: Axes, panel: Panel) -> None:
     for k, curve in enumerate(panel.curves):
         y = np.abs(curve.y) if panel.logarithmic else curve.y * factor
         ax.plot(curve.x, np.where(y > 0.0, y, np.nan) if panel.logarithmic else y, **_look(panel, k))
-    if panel.logarithmic and any(curve.y.any() for curve in panel.curves):
+    if panel.logarithmic and any(np.nan_to_num(curve.y).any() for curve in panel.curves):
         _whole_decades(ax)
+    elif panel.logarithmic:
+        ax.text(0.5, 0.5, "zero throughout", transform=ax.transAxes, ha="center")
+        ax.set_yticks([])
     ax.set_ylabel(fill(f"{panel.quantity} [{unit.replace(' ', NO_BREAK)}]", AXIS_LINE))
     ax.set_title(panel.title)
 
