@@ -20,7 +20,7 @@ COLUMNS = 3
 ROW = 1.35  # inches
 POINTS = 600
 #: Around a resonance: so many points on each side, to this share of its frequency; closest to one that nothing damps.
-NEAR, REACH, CLOSEST = 25, 0.03, 1e-4
+NEAR, REACH, CLOSEST = 30, 0.03, 1e-4
 #: Gains below this share of the largest of their panel are round-off.
 NOTHING = 1e-12
 TURNS = (15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0)  # degrees, between marks
@@ -91,7 +91,7 @@ def sampled(space: "StateSpace", low: float, high: float) -> Array:
     for pole in space.poles():
         if pole.imag > 0.0:
             damping = -pole.real / abs(pole)
-            closest = CLOSEST if abs(damping) < 1e-10 else min(0.25 * abs(damping), REACH)
+            closest = CLOSEST if abs(damping) < 1e-10 else min(0.02 * abs(damping), 0.1 * REACH)
             away = np.geomspace(closest, REACH, NEAR)
             parts.append(abs(pole) / (2.0 * np.pi) * (1.0 + np.concatenate([-away, away])))
     every = np.unique(np.concatenate(parts))

@@ -31,7 +31,7 @@ COLUMNS = 3
 REACH = 0.09
 #: Largest turn of a body [rad].
 TURN = 0.35
-LETTERS = 16  # an inch, of the heading
+LETTERS = 14  # an inch, of the heading
 _STEP = 1e-6  # of the differences, of the largest coordinate [rad or m]
 _UNMOVED = 1e-12
 _REST, _BACK = 0.16, 0.4  # opacities
@@ -50,19 +50,20 @@ def draw(modes: "Modes", number: int, width: float = WIDTH) -> Figure:
         left, right, bottom, top = extent
         border = 2.0 * BORDER * max(right - left, top - bottom)
         height = min((top - bottom + border) / (right - left + border), 1.3) * (width - 0.6) / columns
-        figure = Figure(figsize=(width, rows * (height + 0.28) + 0.55), layout="compressed")
+        figure = Figure(figsize=(width, rows * (height + 0.36) + 0.6), layout="compressed")
         axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for k, ax in enumerate(axes.flat):
             if k < count:
                 _draw_mode(ax, replace(scenes[k], extent=extent), modes, k)
             else:
                 ax.set_axis_off()
-        for ax in axes[-1]:
+        for ax in axes.flat[max(0, count - columns) : count]:
             ax.set_xlabel("x [m]")
+            ax.xaxis.set_tick_params(labelbottom=True)
         for ax in axes[:, 0]:
             ax.set_ylabel("y [m]")
         name = modes.base.linearisation.system.model.name
-        about = f"{name}: modes about {modes.base.place}, exaggerated; pale: at rest, and half a period later"
+        about = f"{name}: modes about {modes.base.place}, exaggerated; pale: at rest, half a period later"
         figure.suptitle(fill(about, round(width * LETTERS)), fontsize="medium")
         return figure
 
@@ -89,7 +90,7 @@ def _title(modes: "Modes", k: int) -> str:
     time, ratio = modes.decay_times[k], modes.damping_ratios[k]
     if modes.frequencies[k] == 0.0:
         return f"{k + 1}: {'decays' if time > 0.0 else 'grows'} in {abs(time):.3g} s"
-    damping = "undamped" if np.isinf(time) else f"damping {ratio:.3g}"
+    damping = "undamped" if np.isinf(time) else f"ζ = {ratio:.2g}"
     return f"{k + 1}: {modes.frequencies[k]:.4g} Hz, {damping}"
 
 
