@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
+from fmbd.errors import AnalysisError
 from fmbd.results.plots.charts import typeset
 from fmbd.results.plots.style import TOLD_APART, WIDTH, graded, style, told_apart
 
@@ -28,7 +29,9 @@ LEGEND_NAMES = 3  # side by side
 
 
 def draw(space: "StateSpace", frequencies: Array, width: float = WIDTH) -> Figure:
-    """Gain and phase from the lowest to the highest of some frequencies [Hz]."""
+    """Gain and phase from the lowest to the highest of some frequencies [Hz]; AnalysisError without an input or output."""
+    if not space.inputs or not space.outputs:
+        raise AnalysisError("there is no response to draw: the state space has no inputs or no outputs")
     at = sampled(space, float(np.min(frequencies)), float(np.max(frequencies)))
     response = space.frequency_response(at)
     units = list(dict.fromkeys(unit for _, unit in space.outputs))
@@ -47,7 +50,7 @@ def draw(space: "StateSpace", frequencies: Array, width: float = WIDTH) -> Figur
             for (gain, phase), unit in zip(own.reshape(-1, 2), units):
                 chosen = [j for j, (_, other) in enumerate(space.outputs) if other == unit]
                 _draw_response(gain, phase, at, response[:, chosen, k], [_look(space, j) for j in chosen])
-                if not column:
+                if not column or unit_in != space.inputs[k - 1][1]:
                     gain.set_ylabel(f"gain [{_quotient(unit, unit_in)}]")
                     phase.set_ylabel("phase [°]")
             own[-1].set_xlabel("frequency [Hz]")

@@ -96,3 +96,16 @@ def test_bode_plots_of_many_inputs_and_outputs_are_readable() -> None:
     for chosen in (None, outputs):
         space = fmbd.linearize(MODELS / "five_bar.yaml", outputs=chosen)
         assert not overlaps(bode.draw(space, np.array([0.1, 300.0])))
+
+
+def test_inputs_of_other_units_have_axes_of_their_own_name() -> None:
+    loads = {
+        "push": {"type": "force", "at": "ruler.end", "force": [0, 0]},
+        "twist": {"type": "moment", "at": "ruler.end", "moment": 0},
+    }
+    model = fmbd.load_model(MODELS / "cantilever.yaml", {"loads": loads, "signals": {}})
+    space = fmbd.linearize(model, inputs=["push.force.y", "twist.moment"], outputs=["ruler.end.deflection"])
+    figure = bode.draw(space, np.array([1.0, 100.0]))
+    named = [ax.get_ylabel() for ax in figure.axes]
+    assert named == ["gain [m/N]", "gain [m/(N m)]", "phase [°]", "phase [°]"]
+    assert not overlaps(figure)
