@@ -29,7 +29,7 @@ LEGEND_NAMES = 3  # side by side
 
 
 def draw(space: "StateSpace", frequencies: Array, width: float = WIDTH) -> Figure:
-    """Gain and phase from the lowest to the highest of some frequencies [Hz]; AnalysisError without an input or output."""
+    """Gain and phase from the lowest to the highest frequency [Hz]; raises AnalysisError without input or output."""
     if not space.inputs or not space.outputs:
         raise AnalysisError("there is no response to draw: the state space has no inputs or no outputs")
     at = sampled(space, float(np.min(frequencies)), float(np.max(frequencies)))
