@@ -1,4 +1,4 @@
-"""What all benchmarks share: one thread on one core, CPU time, tables, pictures. Import it before NumPy."""
+"""What all benchmarks share: one thread on one core, CPU time, tables. Import it before NumPy."""
 
 import json
 import os
@@ -20,24 +20,6 @@ CORES: list[int] = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffi
 MODELS = Path(__file__).parents[1] / "models"
 HAS_EXUDYN = find_spec("exudyn") is not None
 EXUDYN_MISSING = "Exudyn is left out, for it is not installed: pip install -e '.[bench]' brings it."
-
-# of Okabe and Ito: colour-blind readers and grey prints tell them apart
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#882255", "#999999")
-MARKERS = "osD^vPX*"
-STYLE = {
-    "axes.grid": True,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "figure.dpi": 100,
-    "font.size": 8,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.5,
-    "legend.frameon": False,
-    "lines.linewidth": 1.3,
-    "lines.markersize": 3.5,
-    "savefig.facecolor": "white",
-    "svg.hashsalt": "fmbd",
-}
 
 
 class GaveUp(Exception):

@@ -52,11 +52,11 @@ def main() -> None:
 
 
 def draw(subject: Any, data: dict[str, Any], path: Path) -> None:
-    """Draw in the common style."""
-    import matplotlib as mpl
+    """Draw in the style of all figures of fmbd."""
+    from fmbd.results.plots.style import save, style
 
-    with mpl.rc_context(common.STYLE):
-        subject.draw(data, path)
+    with style():
+        save(subject.draw(data), path)
 
 
 def renew_readme(folder: Path) -> None:

@@ -2,18 +2,19 @@
 
 import time
 from collections.abc import Callable
-from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
-from common import COLOURS, EXUDYN_MISSING, HAS_EXUDYN, MARKERS, GaveUp, cpu, number, table
+from common import EXUDYN_MISSING, HAS_EXUDYN, GaveUp, cpu, number, table
 from five_bar import DAMPING, METHODS, five_bar
+from matplotlib.figure import Figure
 from mechanisms import chain, four_bars
 from numba import njit
 
 from fmbd.model import Model
 from fmbd.planar.equations import evaluate_accelerations
+from fmbd.results.plots.style import COLOURS, MARKERS, told_apart
 from fmbd.solvers.integrate import Statistics, integrate
 from fmbd.system import System, assemble
 
@@ -149,32 +150,28 @@ def summary(data: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def draw(data: dict[str, Any], path: Path) -> None:
+def draw(data: dict[str, Any]) -> Figure:
     """Costs over elements, and accelerations over bodies and loops with their lines."""
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=(8.0, 3.2), layout="constrained")
     left, right = figure.subplots(1, 2)
     for k, (name, values) in enumerate(data["costs"].items()):
-        style, colour = {ACCELERATION: (":", "k"), EXUDYN: ("--", "k")}.get(name, ("-", COLOURS[(k - 1) % 8]))
+        method = told_apart(k - 1) | {"marker": MARKERS[k - 1]}
+        other = {"color": "0.2", "linestyle": ":" if name == ACCELERATION else "--", "marker": "."}
         micro = [np.nan if value is None else 1e6 * value for value in values]
         left.loglog(
-            data["elements"],
-            micro,
-            style,
-            color=colour,
-            marker=MARKERS[(k - 1) % 8] if style == "-" else ".",
-            label=name,
+            data["elements"], micro, label=name, **(other if name in (ACCELERATION, EXUDYN) else method)
         )
-    left.set(xlabel="elements a link", ylabel="CPU time [us]", title="five-bar: a step, an acceleration")
+    left.set(xlabel="elements a link", ylabel="CPU time [µs]", title="five-bar: a step, an acceleration")
+    left.margins(x=0.03)
     # room for the names above the curves
     left.set_ylim(top=300.0 * left.get_ylim()[1])
     left.legend(loc="upper left", ncols=2)
     for k, (name, family) in enumerate(data["families"].items()):
         N, measured = np.array(family["N"]), 1e6 * np.array(family["acceleration"])
         a, b = 1e6 * family["a"], 1e6 * family["b"]
-        right.loglog(N, a + b * N, color=COLOURS[k], label=f"{name}: {a:.1f} + {b:.2f} N us")
+        right.loglog(N, a + b * N, color=COLOURS[k], label=f"{name}: {a:.1f} + {b:.2f} N µs")
         right.loglog(N, measured, MARKERS[k], color=COLOURS[k])
-    right.set(xlabel="N links of 4 elements, N loops", ylabel="CPU time [us]", title="an acceleration")
+    right.set(xlabel="N links of 4 elements, N loops", ylabel="CPU time [µs]", title="an acceleration")
+    right.margins(x=0.03)
     right.legend()
-    figure.savefig(path, metadata={"Date": None})
+    return figure

@@ -11,12 +11,14 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import COLOURS, CORES, EXUDYN_MISSING, HAS_EXUDYN, GaveUp, cpu, number, pin, table, unpin
+from common import CORES, EXUDYN_MISSING, HAS_EXUDYN, GaveUp, cpu, number, pin, table, unpin
 from five_bar import DAMPING, METHODS, Observed, by_fmbd, errors, five_bar, observe
+from matplotlib.figure import Figure
+
+from fmbd.results.plots.style import COLOURS
 
 TITLE = "Sweeps: runs of the five-bar a second"
 DAMPED = DAMPING["damped"]
@@ -118,10 +120,8 @@ def tables(data: dict[str, Any]) -> str:
 summary = tables
 
 
-def draw(data: dict[str, Any], path: Path) -> None:
+def draw(data: dict[str, Any]) -> Figure:
     """Bars."""
-    from matplotlib.figure import Figure
-
     competitors = data["competitors"][::-1]
     places = np.arange(len(competitors))
     figure = Figure(figsize=(6.0, 0.8 + 0.4 * len(competitors)), layout="constrained")
@@ -132,4 +132,4 @@ def draw(data: dict[str, Any], path: Path) -> None:
     axes.set_yticks(places, [c["name"] for c in competitors])
     axes.set_xlabel("runs a second")
     axes.legend()
-    figure.savefig(path, metadata={"Date": None})
+    return figure

@@ -7,12 +7,14 @@ which no error is counted.
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import COLOURS, EXUDYN_MISSING, HAS_EXUDYN, MARKERS, interleaved, number, table
+from common import EXUDYN_MISSING, HAS_EXUDYN, interleaved, number, table
 from five_bar import DAMPING, METHODS, Observed, by_fmbd, by_scipy, errors, five_bar, observe
+from matplotlib.figure import Figure
+
+from fmbd.results.plots.style import MARKERS, told_apart
 
 TITLE = "Five-bar, 3 s: error against CPU time"
 SCIPY = ("LSODA", "Radau", "BDF", "DOP853")
@@ -180,10 +182,8 @@ def _ms(seconds: float | None) -> str:
     return number(seconds and 1e3 * seconds)
 
 
-def draw(data: dict[str, Any], path: Path) -> None:
+def draw(data: dict[str, Any]) -> Figure:
     """CPU time over the error of the tips, a panel a case."""
-    from matplotlib.figure import Figure
-
     cases = data["cases"]
     columns = list(dict.fromkeys(case["elements"] for case in cases))
     rows = list(dict.fromkeys(case["damping"] for case in cases))
@@ -193,16 +193,17 @@ def draw(data: dict[str, Any], path: Path) -> None:
         axes = panels[rows.index(case["damping"])][columns.index(case["elements"])]
         for k, method in enumerate(METHODS):
             cpu, err = front(_chosen(case, "fmbd", method), "tip_max")
-            axes.loglog(err, cpu, MARKERS[k % 8] + "-", color=COLOURS[k % 8], label=f"fmbd {method}")
-        for code, label, style in (("scipy", "SciPy, best of four", "k:"), ("exudyn", "Exudyn", "k--")):
+            if len(err):
+                axes.loglog(err, cpu, marker=MARKERS[k], label=f"fmbd {method}", **told_apart(k))
+        for code, label, style in (("scipy", "SciPy, best of four", ":"), ("exudyn", "Exudyn", "--")):
             cpu, err = front(_chosen(case, code), "tip_max")
-            axes.loglog(err, cpu, style, marker=".", label=label)
+            axes.loglog(err, cpu, style, color="0.2", marker=".", label=label)
         axes.set_title(f"{case['elements']} element{'s' * (case['elements'] > 1)} a link, {case['damping']}")
         axes.set_xlim(1e-8, 1.0)
     for axes in panels[-1]:
         axes.set_xlabel("error of the tips / peak")
     for axes in panels[:, 0]:
         axes.set_ylabel("CPU time [s]")
-    handles, labels = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
-    figure.savefig(path, metadata={"Date": None})
+    curves = {line.get_label(): line for axes in panels.flat for line in axes.lines}
+    figure.legend(curves.values(), curves.keys(), loc="outside lower center", ncols=5)
+    return figure

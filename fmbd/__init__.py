@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fmbd.studies.refine import refine
     from fmbd.studies.sensitivity import Sensitivity, sensitivity
     from fmbd.studies.study import Study
+    from fmbd.studies.study_file import open_study
     from fmbd.studies.verify import verify
     from fmbd.system import System, assemble
 
@@ -54,6 +55,7 @@ __all__ = [
     "load_model",
     "modes",
     "open_run",
+    "open_study",
     "refine",
     "report",
     "sensitivity",
@@ -83,6 +85,7 @@ _HOMES = {
     "load_model": "fmbd.model",
     "modes": "fmbd.analyses.vibrations",
     "open_run": "fmbd.results.run",
+    "open_study": "fmbd.studies.study_file",
     "refine": "fmbd.studies.refine",
     "report": "fmbd.results.report.page",
     "sensitivity": "fmbd.studies.sensitivity",

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import fmbd
 from fmbd.results.plots.charts import scaled
-from fmbd.results.plots.figure import WIDTH, save, style
+from fmbd.results.plots.style import WIDTH, save, style
 
 
 def draw(run: fmbd.Run, beam: str, quantity: str, start: float, end: float) -> Figure:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fmbd
-from fmbd.results.plots.figure import COLOURS, WIDTH, save, style
+from fmbd.results.plots.style import COLOURS, WIDTH, save, style
 
 
 def settled(time: np.ndarray, distance: np.ndarray, within: float) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import fmbd
-from fmbd.results.plots.figure import COLOURS, WIDTH, save, style
+from fmbd.results.plots.style import COLOURS, WIDTH, save, style
 
 ARMS = dict(zip(("right", "left"), COLOURS))
 JOINTS = {

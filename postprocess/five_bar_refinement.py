@@ -9,12 +9,12 @@ one, as in the paper, to 16. Errors are the largest over the move, in shares of 
 import argparse
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import fmbd
+from fmbd.results.plots.style import COLOURS, MARKERS, save, style
 
 MODEL = Path(__file__).parents[1] / "models" / "five_bar.yaml"
 ELEMENTS = "bodies.*.elements"
@@ -29,21 +29,7 @@ QUANTITIES = {
     "rod_right.end.position": "end point",
 }
 WIDTH = 9.0  # inches
-STYLE = {
-    "axes.grid": True,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.titlesize": "medium",
-    "font.size": 8,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.5,
-    "legend.frameon": False,
-    "lines.linewidth": 1.1,
-    "lines.markersize": 3.5,
-    "svg.hashsalt": "fmbd",
-}
-# of Okabe and Ito: colour-blind readers and grey prints tell them apart
-COLOURS = dict(zip(QUANTITIES, ("#D55E00", "#CC79A7", "#009E73", "#0072B2", "0.2"), strict=True))
+LOOKS = dict(zip(QUANTITIES, zip(COLOURS, MARKERS)))
 
 
 def study(damping: float, duration: float, jobs: int) -> fmbd.Study:
@@ -58,7 +44,7 @@ def study(damping: float, duration: float, jobs: int) -> fmbd.Study:
 
 def vibration(ax: Axes, found: fmbd.Study) -> None:
     """The tip, with one element and with the finest."""
-    for member, colour in ((found.members[0], "#E69F00"), (found.members[-1], COLOURS[TIP])):
+    for member, colour in ((found.members[0], COLOURS[1]), (found.members[-1], LOOKS[TIP][0])):
         n, measured = member.changes[ELEMENTS], member.measured
         label = "1 element, the paper's" if n == 1 else f"{n} elements"
         ax.plot(measured.time, 1e3 * measured.values[TIP], color=colour, label=label)
@@ -66,8 +52,8 @@ def vibration(ax: Axes, found: fmbd.Study) -> None:
         xlim=(0, 0.4),
         ylim=(-2.2, 0.1),
         xlabel="time [s]",
-        ylabel="[mm]",
-        title="tip of the right rod, damped",
+        ylabel="tip deflection [mm]",
+        title="right rod, damped",
     )
     ax.legend(loc="lower right")
 
@@ -77,20 +63,22 @@ def errors(ax: Axes, found: fmbd.Study, title: str) -> None:
     for result in found.results:
         size = result.found.size.largest
         shares = np.array([difference.largest for difference in result.found.differences]) / size
+        colour, marker = LOOKS[result.quantity]
         ax.loglog(
             result.values[:-1],
             100 * shares,
-            marker="o",
-            color=COLOURS[result.quantity],
+            marker=marker,
+            color=colour,
             linestyle="-" if result.found.is_settled else "--",
             label=QUANTITIES[result.quantity],
         )
     n = np.array(found.axes[0].values[1:-1], float)
     ax.loglog(n, 20 * (n / n[0]) ** -4.0, color="0.5", linestyle=":", label="order 4")
+    ax.margins(x=0.05)
     ax.set_xticks(found.axes[0].values, [f"{value}" for value in found.axes[0].values])
     ax.minorticks_off()
     finest = found.axes[0].values[-1]
-    ax.set(xlabel="elements a rod", ylabel=f"largest difference to {finest} elements [%]", title=title)
+    ax.set(xlabel="elements a rod", ylabel=f"difference to {finest} elements [%]", title=title)
 
 
 def table(studies: dict[str, fmbd.Study]) -> str:
@@ -117,7 +105,7 @@ def main() -> None:
     options = parser.parse_args()
     studies = {title: study(damping, options.duration, options.jobs) for title, damping in CASES.items()}
     damped, undamped = studies.values()
-    with mpl.rc_context(STYLE):
+    with style():
         figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
         left, middle, right = figure.subplots(1, 3)
         vibration(left, damped)
@@ -127,7 +115,7 @@ def main() -> None:
         figure.legend(lines, labels, loc="outside lower center", ncols=len(labels))
         options.folder.mkdir(parents=True, exist_ok=True)
         path = options.folder / "five_bar_refinement.svg"
-        figure.savefig(path, metadata={"Date": None})
+        save(figure, path)
     print(path)
     print(table(studies))
     for title, found in studies.items():

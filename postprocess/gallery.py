@@ -13,7 +13,7 @@ from PIL import Image
 
 import fmbd
 from fmbd.results.animation.look import Look
-from fmbd.results.plots.figure import save
+from fmbd.results.plots.style import save
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 SIZE = (480, 320)

@@ -12,7 +12,7 @@ from scipy.signal import ShortTimeFFT, detrend
 
 import fmbd
 from fmbd.results.plots.charts import typeset
-from fmbd.results.plots.figure import WIDTH, save, style
+from fmbd.results.plots.style import WIDTH, save, style
 
 DECADES = 5  # of amplitude that the colours span
 
@@ -23,14 +23,18 @@ def draw(run: fmbd.Run, name: str, window: float, up_to: float) -> Figure:
     width = max(8, round(window / step))
     transform = ShortTimeFFT(np.hanning(width), hop=max(1, width // 16), fs=1.0 / step, scale_to="magnitude")
     values = detrend(run[name])
-    amplitudes = 2.0 * np.abs(transform.stft(values))
+    # windows that lie in the run as a whole
+    whole = {"p0": transform.lower_border_end[1], "p1": transform.upper_border_begin(values.size)[1]}
+    if whole["p1"] < whole["p0"] + 2:
+        raise SystemExit(f"the run is too short for windows of {window:g} s: choose a shorter --window")
+    amplitudes = 2.0 * np.abs(transform.stft(values, **whole))
     inside = transform.f <= up_to
     figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
     ax = figure.subplots()
     ax.grid(False)
     levels = np.log10(np.maximum(amplitudes[inside], 1e-300))
     picture = ax.pcolormesh(
-        transform.t(values.size),
+        run.time[0] + transform.t(values.size, **whole),
         transform.f[inside],
         levels,
         cmap="cividis",

@@ -64,6 +64,13 @@ class StateSpace:
         """
         save_data(path, self.data(frequencies), self.table(), KINDS)
 
+    def plot(self, path: str | Path, frequencies: Array) -> None:
+        """Draw gain and phase from the lowest to the highest of the frequencies [Hz]: .svg, .pdf or .png."""
+        from fmbd.analyses.bode import draw
+        from fmbd.results.plots.style import save
+
+        save(draw(self, frequencies), path)
+
     def data(self, frequencies: Array | None = None) -> dict[str, Any]:
         """What is written."""
         named = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}

@@ -70,6 +70,13 @@ class Modes:
         """Write poles, frequencies, damping and shapes: .json, .csv, .npz, .mat, .h5. Raises ValueError for another."""
         save_data(path, self.data(), self.table(), KINDS)
 
+    def plot(self, path: str | Path, number: int = 6) -> None:
+        """Draw the first modes on the mechanism: .svg, .pdf or .png."""
+        from fmbd.analyses.mode_shapes import draw
+        from fmbd.results.plots.style import save
+
+        save(draw(self, number), path)
+
     def data(self) -> dict[str, Any]:
         """What is written."""
         return {

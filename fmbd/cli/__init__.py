@@ -55,6 +55,7 @@ exit codes: 0 done, 1 a run stopped before its end (its archive is kept), an ana
   fmbd refine models/five_bar.yaml --over bodies.*.elements=1,2,4,8 --quantity rod_right.end.deflection
   fmbd export five-bar.vtkhdf tip.csv --quantities rod_right.end.position
   fmbd plot five-bar.vtkhdf                              figures: joints, beams, constraints
+  fmbd modes models/five_bar.yaml --plot modes.svg       frequencies, damping, the shapes drawn on the mechanism
   fmbd report five-bar.vtkhdf                            a page for the browser, with the mechanism in motion
   fmbd animate five-bar.vtkhdf five-bar.gif              the mechanism in motion
 """

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
     from fmbd.model import Model
 
+#: Kinds of files that figures are written to.
+PICTURES = (".svg", ".pdf", ".png")
+
 DONE, STOPPED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 #: Columns of output that goes to a file or a pipe, so that lines stay whole.
 PLAIN_WIDTH = 150
@@ -184,6 +187,20 @@ def write_output(output: Path | None, data: Mapping[str, Any], table: Iterable[S
         with replacing(output) as file:
             write_data(file, output.suffix.lower(), data, table)
         show("", f"wrote {output}")
+
+
+def add_plot(parser: argparse.ArgumentParser, what: str) -> None:
+    """The argument --plot of a command whose result can be drawn."""
+    parser.add_argument(
+        "--plot", metavar="FILE", type=suffixed(*PICTURES), help=f"draw {what} ({', '.join(PICTURES)})"
+    )
+
+
+def write_plot(path: Path | None, plot: Callable[..., None], *arguments: Any) -> None:
+    """Write the file of --plot, if it was asked for: `plot` takes its path and the arguments."""
+    if path:
+        plot(path, *arguments)
+        show("", f"wrote {path}")
 
 
 def suffixed(*suffixes: str) -> Callable[[str], Path]:

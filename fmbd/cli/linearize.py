@@ -1,13 +1,16 @@
 """`fmbd linearize`: the state space of a mechanism, its frequency response."""
 
 import argparse
+import sys
 from math import tau
 from typing import TYPE_CHECKING, Any
 
 from fmbd.cli.common import (
+    BAD_INPUT,
     DONE,
     add_model,
     add_output,
+    add_plot,
     add_rest,
     columns,
     compiling_announced,
@@ -17,6 +20,7 @@ from fmbd.cli.common import (
     show,
     shown,
     write_output,
+    write_plot,
 )
 from fmbd.cli.modes import about_facts, add_about
 
@@ -62,6 +66,7 @@ def add(commands: Any) -> None:
         type=_range,
         help=f"print gain and phase at N frequencies [Hz] (default {POINTS}), evenly on a logarithmic scale",
     )
+    add_plot(parser, "gain and phase from FROM to TO of --bode")
     add_output(parser, "A, B, C, D, the names, and the response of --bode", KINDS)
     parser.set_defaults(command=_linearize)
 
@@ -85,6 +90,11 @@ def _range(text: str) -> "NDArray[Any]":
 def _linearize(args: argparse.Namespace) -> int:
     from fmbd.analyses.state_space import linearize
 
+    if args.plot and args.bode is None:
+        print(
+            "--plot draws the frequency response: say of which frequencies, --bode FROM:TO", file=sys.stderr
+        )
+        return BAD_INPUT
     model = read_model(args)
     with compiling_announced():
         space = linearize(
@@ -109,6 +119,7 @@ def _linearize(args: argparse.Namespace) -> int:
         for k, (name, unit) in enumerate(space.inputs):
             show("", f"response to {name} [{unit}]: gain, phase [deg]", _response(space, args.bode, k))
     write_output(args.output, space.data(args.bode), space.table())
+    write_plot(args.plot, space.plot, args.bode)
     return DONE
 
 

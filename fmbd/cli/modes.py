@@ -8,6 +8,7 @@ from fmbd.cli.common import (
     DONE,
     add_model,
     add_output,
+    add_plot,
     add_rest,
     columns,
     compiling_announced,
@@ -18,6 +19,7 @@ from fmbd.cli.common import (
     show,
     shown,
     write_output,
+    write_plot,
 )
 
 if TYPE_CHECKING:
@@ -45,7 +47,10 @@ def add(commands: Any) -> None:
         action="store_true",
         help="let go the motors that were held to find the equilibrium: they turn at the constant input that held them",
     )
-    parser.add_argument("--number", metavar="N", type=count, default=12, help="modes to print (default 12)")
+    parser.add_argument(
+        "--number", metavar="N", type=count, default=12, help="modes to print and draw (default 12)"
+    )
+    add_plot(parser, "the shapes of the modes, drawn on the mechanism")
     add_output(parser, "all modes with their shapes", KINDS)
     parser.set_defaults(command=_modes)
 
@@ -83,6 +88,7 @@ def _modes(args: argparse.Namespace) -> int:
     show(facts([*about_facts(found.base), ("stability", _stability(found))]))
     show("", _table(found, args.number))
     write_output(args.output, found.data(), found.table())
+    write_plot(args.plot, found.plot, args.number)
     return DONE
 
 

@@ -1,4 +1,4 @@
-"""`fmbd plot`: figures of one archive, or of several in comparison."""
+"""`fmbd plot`: figures of one archive, of several in comparison, of a study."""
 
 import argparse
 import re
@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fmbd.cli.common import BAD_INPUT, DONE, columns, compiling_announced, replacing, show, suffixed
+from fmbd.cli.common import BAD_INPUT, DONE, PICTURES, columns, compiling_announced, replacing, show, suffixed
 
 if TYPE_CHECKING:
     from fmbd.results.plots.charts import Chart
 
-FORMATS = (".png", ".svg", ".pdf")
 KINDS = "joints, beams, constraints, energy, motors, reactions, shapes, mechanism"
 
 EPILOG = f"""\
@@ -24,6 +23,7 @@ figures by name: {KINDS}
   fmbd plot five-bar.vtkhdf rod_left.end.position '*.voltage'  quantities: those of one unit share a panel
   fmbd plot five-bar.vtkhdf rod_left.end.deflection --spectrum --from 1
   fmbd plot coarse.vtkhdf fine.vtkhdf beams -o compared.svg    several archives in one figure
+  fmbd plot study.h5 -o study.svg                              convergence, from the file of `fmbd refine`
 """
 
 
@@ -31,13 +31,15 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser(
         "plot",
-        help="draw figures of an archive, or of several in comparison",
+        help="draw figures of an archive, of several in comparison, of a study",
         description="Draw figures for print. Without names: positions and rates of the joints, deflection and slope of "
         "the beams, error of the constraints.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("archive", metavar="ARCHIVE", type=Path, help="the file that `fmbd run` wrote")
+    parser.add_argument(
+        "archive", metavar="ARCHIVE", type=Path, help="the file that `fmbd run` wrote, or `fmbd refine`"
+    )
     parser.add_argument(
         "names",
         metavar="NAME",
@@ -49,7 +51,7 @@ def add(commands: Any) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        type=suffixed(*FORMATS),
+        type=suffixed(*PICTURES),
         help="the file, .png, .svg or .pdf (default: the archive's name and that of the figure, .png)",
     )
     parser.add_argument("--spectrum", action="store_true", help="amplitudes by frequency instead of time")
@@ -70,22 +72,28 @@ def add(commands: Any) -> None:
         help="leave out what is after",
     )
     parser.add_argument(
-        "--width", metavar="INCHES", type=float, default=6.7, help="of the figure (default: 6.7, two columns)"
+        "--width",
+        metavar="INCHES",
+        type=float,
+        help="of the figure (default: 6.7, two columns; of a study 9)",
     )
     parser.set_defaults(command=_plot)
 
 
 def _plot(args: argparse.Namespace) -> int:
-    from fmbd.results.plots.figure import save
     from fmbd.results.plots.plot import charts, figures
+    from fmbd.results.plots.style import WIDTH, save
     from fmbd.results.run import open_run
+    from fmbd.studies.study_file import is_study
 
+    if is_study(args.archive):
+        return _plot_study(args)
     archives = [args.archive, *(Path(name) for name in args.names if _is_archive(name))]
     names = [name for name in args.names if not _is_archive(name)]
     runs = {label: open_run(path) for label, path in zip(_labels(archives), archives)}
     try:
         with compiling_announced():
-            drawn = figures(runs, names, args.spectrum, (args.start, args.end), args.width)
+            drawn = figures(runs, names, args.spectrum, (args.start, args.end), args.width or WIDTH)
     except ValueError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
@@ -96,6 +104,21 @@ def _plot(args: argparse.Namespace) -> int:
         print(f"wrote {path}")
     if args.spectrum:
         _show_peaks(charts(runs, names, True, (args.start, args.end)))
+    return DONE
+
+
+def _plot_study(args: argparse.Namespace) -> int:
+    from fmbd.results.plots.style import save
+    from fmbd.studies.plot import draw
+    from fmbd.studies.study_file import open_study
+
+    if args.names or args.spectrum:
+        print(f"{args.archive}: a study is drawn whole, without names and alone", file=sys.stderr)
+        return BAD_INPUT
+    path = args.output or Path(f"{args.archive.stem}.png")
+    with replacing(path) as file:
+        save(draw(open_study(args.archive), args.width), file, path.suffix.lower())
+    print(f"wrote {path}")
     return DONE
 
 

@@ -1,7 +1,6 @@
 """`fmbd refine`: how right the results of a model are, from the same model at ever finer resolution."""
 
 import argparse
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from fmbd.cli.common import (
@@ -11,6 +10,7 @@ from fmbd.cli.common import (
     add_analysis,
     add_jobs,
     add_model,
+    add_plot,
     columns,
     compiling_announced,
     facts,
@@ -18,13 +18,11 @@ from fmbd.cli.common import (
     read_model,
     show,
     suffixed,
+    write_plot,
 )
 
 if TYPE_CHECKING:
-    from numpy import ndarray as Array
-    from rich.table import Table
-
-    from fmbd.studies.study import Result, Study
+    from fmbd.studies.study import Study
 
 EPILOG = """\
   fmbd refine models/five_bar.yaml --over bodies.*.elements=1,2,4,8 --quantity rod_right.end.deflection
@@ -70,7 +68,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FILE.h5", type=suffixed(".h5"), help="all series and results"
     )
-    parser.add_argument("--plot", metavar="FILE", type=suffixed(".svg", ".pdf", ".png"), help="a figure")
+    add_plot(parser, "values, differences over time and convergence")
     parser.add_argument(
         "--no-check", dest="check", action="store_false", help="do not run the finest once more"
     )
@@ -108,9 +106,7 @@ def _refine(args: argparse.Namespace) -> int:
     if args.output:
         study.save(args.output)
         show(f"wrote {args.output}")
-    if args.plot:
-        study.plot(args.plot)
-        show(f"wrote {args.plot}")
+    write_plot(args.plot, study.plot)
     if study.is_interrupted:
         return INTERRUPTED
     return STOPPED if any(member.problem for member in study.members) else DONE
@@ -118,6 +114,8 @@ def _refine(args: argparse.Namespace) -> int:
 
 def _summarise(study: "Study") -> None:
     """Each quantity along each axis; at last what failed, and the verdicts."""
+    from fmbd.studies.tables import failures, share_of_time, table
+
     for axis in study.axes:
         others = ", ".join(
             f"{other.path} = {other.values[-1]:g}" for other in study.axes if other is not axis
@@ -125,92 +123,12 @@ def _summarise(study: "Study") -> None:
         show("", f"{study.model.name}: {axis.path}" + (f", with {others}" if others else ""), style="bold")
         for result in study.results:
             if result.axis is axis:
-                show("", *(_over_time if result.is_over_time else _once)(study, result))
+                caption, headings, rows = table(study, result)
+                shown = columns(*headings, numbers=headings)
+                for row in rows:
+                    shown.add_row(*row)
+                show("", caption, shown)
+    left_out = [("left out", text) for text in failures(study)]
+    time = [("time", text) for text in share_of_time(study)]
     verdicts = [("verdict", result.verdict) for result in study.results]
-    show("", facts([*_failures(study), *_time(study), *verdicts]))
-
-
-def _over_time(study: "Study", result: "Result") -> Iterator["str | Table"]:
-    """Differences to the finest, orders, bounds of the error, costs."""
-    size, found = result.found.size, result.found
-    itself = f"at most {size.largest:.4g}, RMS {size.mean:.4g}"
-    yield f"{result.quantity} [{result.unit}], {itself}; differences to the finest:"
-    numbers = [
-        result.axis.key,
-        "largest",
-        "RMS",
-        "at the end",
-        "order",
-        "error",
-        "steps",
-        "evaluations",
-    ]
-    table = columns(*numbers, numbers=numbers)
-    for k, (value, share, order) in enumerate(zip(result.values, found.shares(), _orders(result))):
-        measured = study.members[result.members[k]].measured
-        sizes = [found.differences[k]] if k < len(found.differences) else []
-        differences = [f"{x:.2e}" for size in sizes for x in (size.largest, size.mean, size.end)] or [""] * 3
-        cost = measured.statistics if measured else {}
-        table.add_row(
-            f"{value:g}",
-            *differences,
-            order,
-            _bound(result, share),
-            str(cost["steps"]),
-            str(cost["evaluations"]),
-        )
-    yield table
-
-
-def _once(study: "Study", result: "Result") -> Iterator["str | Table"]:
-    """Values, differences to the finest, orders, bounds of the error."""
-    found = result.found
-    yield f"{result.quantity} [{result.unit}]"
-    numbers = [result.axis.key, "value", "difference", "order", "error"]
-    table = columns(*numbers, numbers=numbers)
-    for k, (value, share, order) in enumerate(zip(result.values, found.shares(), _orders(result))):
-        measured = study.members[result.members[k]].measured
-        difference = f"{found.differences[k].end:.2e}" if k < len(found.differences) else ""
-        got = _numbers(measured.values[result.quantity]) if measured else ""
-        table.add_row(f"{value:g}", got, difference, order, _bound(result, share))
-    if found.extrapolated is not None:
-        table.add_row("limit", _numbers(found.extrapolated))
-    yield table
-
-
-def _numbers(values: "Array") -> str:
-    """A number, or several columns."""
-    return ", ".join(f"{value:.12g}" for value in values.ravel())
-
-
-def _bound(result: "Result", share: float) -> str:
-    """The bound of an error; about so where it is a guess."""
-    from fmbd.studies.study import percent
-
-    return f"{'' if result.found.is_settled else '~'}{percent(share)}"
-
-
-def _orders(result: "Result") -> list[str]:
-    """The order at the last of each three in a row."""
-    return ["", "", *(f"{order.order:.2f}" for order in result.found.orders)][: len(result.values)]
-
-
-def _failures(study: "Study") -> Iterator[tuple[str, str]]:
-    for member in (*study.members, *([study.check] if study.check else [])):
-        if member.problem:
-            changes = ", ".join(f"{path} = {value}" for path, value in member.changes.items())
-            yield "left out", f"{changes}: {member.problem}"
-
-
-def _time(study: "Study") -> Iterator[tuple[str, str]]:
-    """What share of the last differences is the error of the time integration."""
-    from fmbd.studies.study import percent
-
-    shares = {result.quantity: result.time_share for result in study.results if result.time_share is not None}
-    if shares:
-        worst = max(shares, key=lambda name: shares[name])
-        advice = "" if shares[worst] <= 0.1 else ": too much, choose a tighter tolerance or a shorter step"
-        yield (
-            "time",
-            f"its integration makes {percent(shares[worst])} of the last difference in {worst}{advice}",
-        )
+    show("", facts([*left_out, *time, *verdicts]))

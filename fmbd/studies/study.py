@@ -1,7 +1,7 @@
 """What a refinement finds: members, results along each axis, verdicts."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -110,6 +110,9 @@ class Study:
     members: tuple[Member, ...]
     check: Member | None  #: the finest, integrated more tightly
     is_interrupted: bool = False
+    attributes: Mapping[str, Any] = field(
+        default_factory=dict
+    )  #: where the file is from that it was read from
 
     def chain(self, axis: Axis) -> tuple[int, ...]:
         """The members along an axis, from coarse to fine: the others are at their finest."""
@@ -162,9 +165,16 @@ class Study:
 
     def plot(self, path: str | Path) -> None:
         """Draw values, differences over time, and errors against what is refined: svg, pdf or png."""
+        from fmbd.results.plots.style import save
         from fmbd.studies.plot import draw
 
-        draw(self, Path(path))
+        save(draw(self), path)
+
+    def report(self) -> str:
+        """A page of HTML with verdicts, plots, tables and the model; raises ValueError for a study without results."""
+        from fmbd.studies.report import report
+
+        return report(self)
 
 
 def finest(axes: Sequence[Axis]) -> dict[str, Any]:

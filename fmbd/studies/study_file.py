@@ -1,6 +1,7 @@
 """A study as one HDF5 file.
 
 /model                              YAML text of the model that was refined
+/model_files/<n>                    text of the n-th table that the model names, attribute `name`
 /members/<k>                        attributes: changes (JSON), status, and the solver's statistics of a run
 /members/<k>/time                   (nt,) [s], of a run
 /members/<k>/values/<quantity>      (nt,), (nt, columns) or (), attribute `units`
@@ -9,18 +10,26 @@
                                     (RMS), bar_... of it; datasets by the members along the path, from coarse to fine:
                                     member, value, difference_... to the finest (one less), error_..., each with
                                     largest, mean and end; observed_order and agreement (two less); extrapolated
-attributes of /                     as those of an archive: versions, command, time, model_sha256
+attributes of /                     as those of an archive: versions, command, time, model_file, model_sha256;
+                                    analysis, analysis_options (JSON), quantities, axes (JSON: path, values, sizes),
+                                    is_interrupted
+
+What is computed from the series, `/results`, is there for other programs: `open_study` computes it anew.
 """
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from fmbd.model import load_model_text
+from fmbd.results.archive import ArchiveError
 from fmbd.results.layout import provenance
 from fmbd.studies.convergence import Size
-from fmbd.studies.study import Member, Result, Study
+from fmbd.studies.measure import COMPLETE, Analysis, Measured
+from fmbd.studies.study import Axis, Member, Result, Study
 
 
 def write_study(study: Study, path: Path) -> None:
@@ -31,8 +40,16 @@ def write_study(study: Study, path: Path) -> None:
         raise OSError(f"cannot write {path}: {error}") from None
     with file:
         file.attrs.update(provenance(study.model.yaml()))
-        file.attrs.update({"analysis": str(study.analysis), "quantities": list(study.quantities)})
+        file.attrs["model_file"] = str(study.model.path or f"{study.model.name}.yaml")
+        options = asdict(study.analysis)
+        file.attrs.update({"analysis": options.pop("kind"), "analysis_options": json.dumps(options)})
+        file.attrs["quantities"] = list(study.quantities)
+        file.attrs["is_interrupted"] = study.is_interrupted
+        file.attrs["axes"] = json.dumps([asdict(axis) for axis in study.axes])
         file["model"] = study.model.yaml()
+        for k, (name, text) in enumerate(study.model.files.items()):
+            file[f"model_files/{k}"] = text
+            file[f"model_files/{k}"].attrs["name"] = name
         for k, member in enumerate(study.members):
             _member(file.create_group(f"members/{k}"), member)
         if study.check is not None:
@@ -41,10 +58,57 @@ def write_study(study: Study, path: Path) -> None:
             _result(file.create_group(f"results/{result.quantity}/{result.axis.path}"), result)
 
 
+def open_study(path: str | Path) -> Study:
+    """The study in a file that `Study.save` wrote; raises OSError, and ArchiveError for another file."""
+    Path(path).open("rb").close()  # a missing file is told as such
+    if not is_study(path):
+        raise ArchiveError(f"{path}: neither a study nor an archive of fmbd")
+    with h5py.File(path) as file:
+        attributes = dict(file.attrs)
+        tables = {table.attrs["name"]: table.asstr()[()] for table in file.get("model_files", {}).values()}
+        members = [_read_member(file[f"members/{k}"]) for k in range(len(file["members"]))]
+        model = load_model_text(file["model"].asstr()[()], attributes["model_file"], files=tables)
+        check = _read_member(file["check"]) if "check" in file else None
+    axes = json.loads(attributes.pop("axes"))
+    options = json.loads(attributes.pop("analysis_options"))
+    return Study(
+        model=model,
+        analysis=Analysis.of(attributes.pop("analysis"), **options),
+        quantities=tuple(attributes.pop("quantities")),
+        axes=tuple(Axis(axis["path"], tuple(axis["values"]), tuple(axis["sizes"])) for axis in axes),
+        members=tuple(members),
+        check=check,
+        is_interrupted=bool(attributes.pop("is_interrupted")),
+        attributes=attributes,
+    )
+
+
+def is_study(path: str | Path) -> bool:
+    """Whether a file is a study."""
+    try:
+        with h5py.File(path) as file:
+            return "members" in file and "axes" in file.attrs
+    except OSError:
+        return False
+
+
+def _read_member(group: h5py.Group) -> Member:
+    attributes = {
+        key: value.item() if hasattr(value, "item") else value for key, value in group.attrs.items()
+    }
+    changes, status = json.loads(attributes.pop("changes")), attributes.pop("status")
+    if status != COMPLETE:
+        return Member(changes, None, status)
+    values = {name: dataset[()] for name, dataset in group["values"].items()}
+    units = {name: str(dataset.attrs["units"]) for name, dataset in group["values"].items()}
+    time = group["time"][:] if "time" in group else None
+    return Member(changes, Measured(values, units, time, status, attributes))
+
+
 def _member(group: h5py.Group, member: Member) -> None:
     measured = member.measured
     group.attrs["changes"] = json.dumps(dict(member.changes))
-    group.attrs["status"] = member.problem or "complete"
+    group.attrs["status"] = member.problem or COMPLETE
     if measured is None:
         return
     group.attrs.update(measured.statistics)

@@ -96,6 +96,16 @@ def test_linearize_shows_a_frequency_response(capsys):
     assert f"{abs(first):.4e}" in out
 
 
+def test_pictures_of_modes_and_of_a_frequency_response(capsys):
+    for name, start in (("shapes.svg", b"<?xml"), ("shapes.pdf", b"%PDF")):
+        code, out, _ = answer(capsys, "modes", FIVE_BAR, "--lock", "all", "--number", "4", "--plot", name)
+        assert (code, out.splitlines()[-1]) == (0, f"wrote {name}")
+        assert Path(name).read_bytes().startswith(start)
+    code, out, _ = answer(capsys, "linearize", FIVE_BAR, "--bode", "0.1:100", "--plot", "bode.png")
+    assert (code, out.splitlines()[-1]) == (0, "wrote bode.png")
+    assert Path("bode.png").read_bytes().startswith(b"\x89PNG")
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
@@ -104,6 +114,7 @@ def test_linearize_shows_a_frequency_response(capsys):
         (("modes", FIVE_BAR, "--about", "start", "--time", "1"), 1, "the start is at t = 0 s, not at 1 s"),
         (("modes", FIVE_BAR, "--about", "none.vtkhdf"), 2, "none.vtkhdf: No such file or directory"),
         (("linearize", FIVE_BAR, "--inputs", "motor_right.volts"), 2, "did you mean 'motor_right.voltage'?"),
+        (("linearize", FIVE_BAR, "--plot", "bode.svg"), 2, "say of which frequencies, --bode FROM:TO"),
         (("statics", FIVE_BAR, "--quantities", "effector.fores"), 2, "did you mean 'effector.force'?"),
     ],
 )
@@ -121,6 +132,7 @@ def test_refusals(capsys, tmp_path, arguments, code, message):
         (("linearize", FIVE_BAR, "--bode", "10:1"), "'10:1' is not of the form FROM:TO or FROM:TO:N"),
         (("statics", FIVE_BAR, "-o", "rest.txt"), "'rest.txt' does not end in .h5 or .json or .csv"),
         (("statics", FIVE_BAR, "--time", "-1"), "'-1' is not a time from 0 on"),
+        (("modes", FIVE_BAR, "--plot", "shapes.gif"), "'shapes.gif' does not end in .svg or .pdf or .png"),
     ],
 )
 def test_command_lines_that_cannot_be_understood(capsys, arguments, message):

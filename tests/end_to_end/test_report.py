@@ -1,19 +1,16 @@
 """The report page: it says what the run is, and in a browser it plays, and draws the mechanism where the archive says.
 
-The browser is a headless Chromium. What a person would do is done by a script that the test appends to the page; what
-the page then shows, pixels included, comes back in the page's text.
+What a person would do in the browser is done by a script, see browser.py.
 """
 
 import html
-import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from browser import used
 from numpy.testing import assert_allclose
 
 import fmbd
@@ -21,28 +18,8 @@ from fmbd.results.report.embedding import envelope
 from fmbd.results.report.page import report
 
 MODELS = Path(__file__).parents[2] / "models"
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 SCRIPT = """
-<script>
-const said = { errors: [] };
-window.addEventListener("error", (event) => said.errors.push(event.message));
-const wait = (seconds) => new Promise((done) => setTimeout(done, 1000 * seconds));
-
-// Middle of all pixels of a colour, in CSS pixels.
-function middle(canvas, [red, green, blue]) {
-  const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-  let x = 0, y = 0, count = 0;
-  for (let k = 0; k < data.length; k += 4) {
-    if (data[k] !== red || data[k + 1] !== green || data[k + 2] !== blue || data[k + 3] !== 255) continue;
-    x += (k / 4) % width + 0.5;
-    y += Math.floor(k / 4 / width) + 0.5;
-    count++;
-  }
-  const ratio = window.devicePixelRatio;
-  return [x / count / ratio, y / count / ratio];
-}
-
 // The orange tip of the trail [m], and the time [s] that the page shows with it.
 function tip() {
   const canvas = element("scene"), [x, y] = middle(canvas, [213, 94, 0]);
@@ -56,19 +33,8 @@ function moveSlider(time) {
   element("time").dispatchEvent(new Event("input"));
 }
 
-function point(type, canvas, share) {
-  const box = canvas.getBoundingClientRect();
-  const clientX = box.left + MARGIN.left + share * (box.width - MARGIN.left - MARGIN.right);
-  canvas.dispatchEvent(new PointerEvent(type, { clientX, clientY: box.top + 50, pointerId: 1, bubbles: true }));
-}
-
-function legend(chart, curve) {
-  return document.querySelectorAll(".chart")[chart].querySelectorAll(".legend button")[curve].textContent;
-}
-
 async function use() {
   const first = document.querySelector(".panel canvas");
-  first.setPointerCapture = () => {};
   said.fits = document.documentElement.scrollWidth <= window.innerWidth;
   said.start = tip();
   element("play").click();
@@ -95,11 +61,6 @@ async function use() {
   element("deflection").dispatchEvent(new Event("change"));
   said.exaggerated = tip();
 }
-
-use().catch((error) => said.errors.push(String(error))).finally(() => {
-  create("pre", document.body, "", JSON.stringify(said)).id = "said";
-});
-</script>
 """
 
 
@@ -117,19 +78,7 @@ def page(run: fmbd.Run) -> str:
 @pytest.fixture(scope="module")
 def said(page: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """What the script saw in the browser."""
-    if BROWSER is None:
-        pytest.skip("no Chromium on this machine (on Debian: apt-get install chromium)")
-    folder = tmp_path_factory.mktemp("browser")
-    path = folder / "report.html"
-    path.write_text(page.replace("</body>", SCRIPT + "</body>"), encoding="utf-8")
-    options = ("--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder / 'profile'}")
-    size = ("--window-size=1200,900", "--virtual-time-budget=10000")
-    done = subprocess.run(
-        [BROWSER, *options, *size, "--dump-dom", path.as_uri()], capture_output=True, text=True, timeout=300
-    )
-    found = re.search(r'<pre class="" id="said">(.*?)</pre>', done.stdout)
-    assert found, done.stderr[-2000:]
-    return json.loads(html.unescape(found[1]))
+    return used(page, SCRIPT, tmp_path_factory.mktemp("browser"))
 
 
 def assert_drawn_where_archived(run: fmbd.Run, seen: dict[str, float], time: float | None = None) -> None:

@@ -1,21 +1,19 @@
 """Figures show what the archive says, and can be read: names, units, nothing clipped, nothing in the way."""
 
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
-from matplotlib.text import Text
+from legibility import overlaps
 from numpy.testing import assert_allclose
 
 import fmbd
 from fmbd.results.plots.charts import Curve, labels_of, scaled
-from fmbd.results.plots.figure import save
 from fmbd.results.plots.kinds import KINDS, chart
 from fmbd.results.plots.mechanism import coil
 from fmbd.results.plots.plot import charts, figures
 from fmbd.results.plots.spectra import peaks, spectrum
+from fmbd.results.plots.style import save
 
 MODELS = Path(__file__).parents[2] / "models"
 
@@ -127,28 +125,6 @@ def test_the_spectrum_of_a_free_cantilever_shows_its_first_frequency(cantilever:
     (frequency, _), *_ = peaks(found.panels[0].curves[0])
     assert found.across == ("frequency", "Hz")
     assert_allclose(frequency, exact, atol=0.12)
-
-
-def overlaps(figure: Figure) -> list[tuple[str, str]]:
-    """Texts that lie on each other, or outside the figure."""
-    for _ in range(2):  # as `save` does
-        figure.draw_without_rendering()
-    ticks = {
-        text: low - 1e-9 * abs(at) <= at <= high + 1e-9 * abs(at)
-        for ax in figure.axes
-        for axis in (ax.xaxis, ax.yaxis)
-        for low, high in [sorted(axis.get_view_interval())]
-        for minor in (False, True)
-        for at, text in zip(axis.get_ticklocs(minor=minor), axis.get_ticklabels(minor=minor))
-    }
-    texts = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
-    boxes = [(text.get_text(), text.get_window_extent()) for text in texts if ticks.get(text, True)]
-    outside = [
-        (name, "the edge")
-        for name, box in boxes
-        if box.x0 < 0 or box.y0 < 0 or box.x1 > figure.bbox.x1 or box.y1 > figure.bbox.y1
-    ]
-    return outside + [(a, b) for (a, one), (b, other) in combinations(boxes, 2) if one.overlaps(other)]
 
 
 @pytest.mark.parametrize("model", ["five_bar", "slider_crank", "cantilever", "verification/andrews", "door"])

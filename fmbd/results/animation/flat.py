@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fmbd.results.animation.look import CLOCK, Look, pixels
-from fmbd.results.plots.figure import style
 from fmbd.results.plots.mechanism import INK, TRAIL, draw_pose, frame
+from fmbd.results.plots.style import style
 from fmbd.results.scene import Scene
 
 Image = NDArray[np.uint8]

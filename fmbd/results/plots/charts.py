@@ -40,11 +40,15 @@ LARGE = ("N", "Pa", "J", "V", "A")
 
 @dataclass(frozen=True)
 class Curve:
-    """y over x, both of shape (n,), in SI units."""
+    """y over x, both of shape (n,), in SI units.
+
+    look: a line, marked points that lines join, or a guide to the eye beside what was computed
+    """
 
     label: str
     x: Array
     y: Array
+    look: Literal["line", "points", "guide"] = "line"
 
 
 @dataclass(frozen=True)
@@ -65,7 +69,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Chart:
-    """Rows of panels over one horizontal axis; `across` is its name and unit.
+    """Rows of panels over one horizontal axis; `across` is its name and unit, "" for none.
 
     name: short, for file names; title: for headings
     """
@@ -74,6 +78,7 @@ class Chart:
     title: str
     rows: tuple[tuple[Panel, ...], ...]
     across: tuple[str, str] = ("time", "s")
+    logarithmic_across: bool = False
 
     @property
     def panels(self) -> tuple[Panel, ...]:

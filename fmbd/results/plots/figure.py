@@ -1,12 +1,8 @@
 """Draw charts by Matplotlib, as a journal prints them. No display is needed."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 from textwrap import fill
-from typing import Any, BinaryIO
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,54 +10,16 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import NullFormatter
 
 from fmbd.results.plots.charts import Chart, Panel, scale_of
+from fmbd.results.plots.style import MARKERS, TOLD_APART, WIDTH, graded, style, told_apart
 
-WIDTH = 6.7  # inches, two columns of a journal
 ROW = 1.45  # inches, height of a panel
 LINE = 0.16  # inches, of a legend
 
-STYLE: Any = {
-    "font.family": "serif",
-    "font.serif": ["STIXGeneral", "DejaVu Serif"],
-    "mathtext.fontset": "stix",
-    "font.size": 9,
-    "axes.axisbelow": True,
-    "axes.formatter.useoffset": False,
-    "axes.grid": True,
-    "axes.linewidth": 0.6,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.titlesize": 9,
-    "axes.titlelocation": "left",
-    "axes.xmargin": 0.0,
-    "grid.color": "0.88",
-    "grid.linewidth": 0.5,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-    "lines.linewidth": 0.9,
-    "lines.solid_joinstyle": "round",
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "savefig.dpi": 300,
-    "pdf.fonttype": 42,  # outlines that journals accept
-    "svg.hashsalt": "fmbd",
-}
-# Okabe and Ito's without yellow and black: colour-blind readers and grey prints tell them apart.
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9")
-DASHES = ("-", (0, (5, 2)), (0, (1, 1.5)))
-#: More curves than this are drawn as a family, in the order of a map of colours, and only some are named.
-TOLD_APART = len(COLOURS) * len(DASHES)
-NAMED = 9
+NAMED = 9  # curves of a family
 AXIS_LINE = 20  # characters beside a panel
 NO_BREAK = "\u00a0"
 SPACING: Any = {"handlelength": 1.6, "columnspacing": 1.2}
 CHARACTER = 0.062  # inches, in a legend
-
-
-@contextmanager
-def style() -> Iterator[None]:
-    """The look of all figures."""
-    with mpl.rc_context(STYLE):
-        yield
 
 
 def draw(chart: Chart, width: float = WIDTH) -> Figure:
@@ -79,7 +37,7 @@ def draw(chart: Chart, width: float = WIDTH) -> Figure:
         )
         for row, panels in zip(axes, chart.rows):
             for ax, panel in zip(row, panels):
-                _draw_panel(ax, panel)
+                draw_panel(ax, panel)
                 if not common and (panel is panels[0] or _labels(panel) != _labels(panels[0])):
                     _name_curves(ax, panel, width / columns)
             for ax in row[len(panels) :]:
@@ -92,22 +50,17 @@ def draw(chart: Chart, width: float = WIDTH) -> Figure:
         return figure
 
 
-def save(figure: Figure, file: str | Path | BinaryIO, suffix: str = "") -> None:
-    """Write a figure in the format of a suffix (default: the file's), the same bytes for the same figure."""
-    suffix = suffix or Path(str(file)).suffix.lower()
-    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    with style():
-        figure.draw_without_rendering()  # a first layout may change the ticks, the second fits them
-        figure.savefig(file, format=suffix[1:], metadata=undated.get(suffix))
-
-
-def _draw_panel(ax: Axes, panel: Panel) -> None:
+def draw_panel(ax: Axes, panel: Panel) -> None:
+    """Curves, vertical axis and title of a panel."""
     factor, unit = scale_of(panel)
     for k, curve in enumerate(panel.curves):
         y = np.abs(curve.y) if panel.logarithmic else curve.y * factor
         ax.plot(curve.x, np.where(y > 0.0, y, np.nan) if panel.logarithmic else y, **_look(panel, k))
-    if panel.logarithmic and any(curve.y.any() for curve in panel.curves):
+    if panel.logarithmic and any(np.nan_to_num(curve.y).any() for curve in panel.curves):
         _whole_decades(ax)
+    elif panel.logarithmic:
+        ax.text(0.5, 0.5, "zero throughout", transform=ax.transAxes, ha="center")
+        ax.set_yticks([])
     ax.set_ylabel(fill(f"{panel.quantity} [{unit.replace(' ', NO_BREAK)}]", AXIS_LINE))
     ax.set_title(panel.title)
 
@@ -121,19 +74,21 @@ def _whole_decades(ax: Axes) -> None:
 
 
 def _look(panel: Panel, k: int) -> dict[str, Any]:
-    """Colour and dashes of a curve."""
+    """Colour and dashes of a curve, marks of points."""
+    if panel.curves[k].look == "guide":
+        return {"color": "0.3", "linestyle": ":"}
     if _is_family(panel):
-        return {"color": mpl.colormaps["viridis"](0.9 * k / max(1, len(panel.curves) - 1))}
-    look: dict[str, Any] = {
-        "color": COLOURS[k % len(COLOURS)],
-        "linestyle": DASHES[k // len(COLOURS) % len(DASHES)],
-    }
+        return {"color": graded(k, len(panel.curves))}
+    look = told_apart(k)
+    if panel.curves[k].look == "points":
+        look |= {"marker": MARKERS[k % len(MARKERS)]}
     if panel.together == "same" and k == 0:
         look |= {"linewidth": 2.4, "alpha": 0.5}  # still seen below others that are equal
     return look
 
 
 def _is_family(panel: Panel) -> bool:
+    """Whether curves are drawn in the order of a map of colours, and only some are named."""
     return panel.together == "family" or len(panel.curves) > TOLD_APART
 
 

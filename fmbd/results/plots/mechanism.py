@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from fmbd.results.plots.figure import WIDTH, style
+from fmbd.results.plots.style import WIDTH, style
 from fmbd.results.scene import SYMBOL, Item, Scene
 
 BODY, BODY_EDGE, BEAM, SPRING, INK, MOTOR, TRAIL = (

@@ -4,10 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fmbd.results.plots.charts import Chart
-from fmbd.results.plots.figure import WIDTH, draw
+from fmbd.results.plots.figure import draw
 from fmbd.results.plots.kinds import DEFAULT, chart
 from fmbd.results.plots.named import charts_of, compared, within
 from fmbd.results.plots.spectra import spectra
+from fmbd.results.plots.style import WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

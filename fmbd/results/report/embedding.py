@@ -78,6 +78,7 @@ def embedded_charts(charts: Iterable[Chart], arrays: Arrays) -> list[dict[str, A
         {
             "title": chart.title,
             "across": chart.across,
+            "logarithmicAcross": chart.logarithmic_across,
             "rows": [[_panel(panel, most, arrays) for panel in row] for row in chart.rows],
         }
         for chart in charts
@@ -89,7 +90,8 @@ def _panel(panel: Panel, most: int, arrays: Arrays) -> dict[str, Any]:
     curves = []
     for curve in panel.curves:
         x, y = envelope(curve.x, curve.y, most)
-        curves.append({"label": curve.label, "x": arrays.add(x), "y": arrays.add(factor * y)})
+        places = {"x": arrays.add(x), "y": arrays.add(factor * y)}
+        curves.append({"label": curve.label, "look": curve.look, **places})
     return {
         "quantity": panel.quantity,
         "unit": unit,

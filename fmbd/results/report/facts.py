@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fmbd.model import Beam
-from fmbd.model.writing import yaml_text
+from fmbd.model import Beam, Model
 from fmbd.results.course import course
 from fmbd.results.layout import ENERGIES
 
@@ -43,9 +42,15 @@ def table(heads: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     return f'<div class="wide"><table>{above}<tbody>{body}</tbody></table></div>'
 
 
-def model_tables(run: "Run") -> str:
+def listed(texts: Iterable[str], kind: str) -> str:
+    """A list of sentences, of a kind that the style knows; empty without any."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in texts)
+    return f'<ul class="{kind}">{items}</ul>' if items else ""
+
+
+def model_tables(model: Model) -> str:
     """Every part of the model as its file has it: parts of one kind and type share a table."""
-    document: dict[str, Any] = run.model.document.data
+    document: dict[str, Any] = model.document.data
     found = []
     for section, title in SECTIONS.items():
         by_type: dict[str, dict[str, Mapping[str, Any]]] = {}
@@ -82,9 +87,9 @@ def _within(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def parameters(run: "Run") -> str:
+def parameters(model: Model) -> str:
     """Parameters of the model with their values; the changes to its file."""
-    rows = [(name, f"{value:.10g}") for name, value in run.model.parameters.items()]
+    rows = [(name, f"{value:.10g}") for name, value in model.parameters.items()]
     return table(("parameter", "value"), rows) if rows else "<p>The model has no parameters.</p>"
 
 
@@ -132,11 +137,10 @@ def warnings(run: "Run") -> list[str]:
     return found
 
 
-def provenance(run: "Run") -> str:
-    """Which program and machine made the run, from which model; empty for a run that was never archived."""
-    attributes = getattr(run.source, "attributes", {})
+def provenance(model: Model, attributes: Mapping[str, Any]) -> str:
+    """Which program and machine made a file, from which model, by its attributes; none if it was never written."""
     rows = [
-        ("model", str(attributes.get("model_file", run.model.path or run.model.name))),
+        ("model", str(attributes.get("model_file", model.path or model.name))),
         *(
             (label, str(attributes[key]))
             for key, label in (
@@ -158,6 +162,6 @@ def provenance(run: "Run") -> str:
     return table((), [*rows, *([("libraries", ", ".join(libraries))] if libraries else [])])
 
 
-def model_text(run: "Run") -> str:
-    """The model as run, as YAML."""
-    return escape(yaml_text(run.model.document.data) if run.model.overrides else run.model.text)
+def model_text(model: Model) -> str:
+    """The model with its changes, as YAML."""
+    return escape(model.yaml())

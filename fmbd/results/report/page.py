@@ -1,11 +1,13 @@
-"""Put the page together from its template, its style, its scripts, and what they show."""
+"""Put a page together from its template, its style, its scripts, and what they show."""
 
 import json
+from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fmbd import __version__
+from fmbd.model import Model
 from fmbd.results.plots.kinds import KINDS, chart
 from fmbd.results.report import facts
 from fmbd.results.report.embedding import embedded
@@ -13,7 +15,7 @@ from fmbd.results.report.embedding import embedded
 if TYPE_CHECKING:
     from fmbd.results.run import Run
 
-SCRIPTS = ("data.js", "plot.js", "player.js", "page.js")
+SCRIPTS = ("data.js", "plot.js", "charts.js")
 
 
 def report(run: "Run") -> str:
@@ -24,28 +26,54 @@ def report(run: "Run") -> str:
     if len(run.time) < 2:
         raise ValueError("there is nothing to report: the run has fewer than two outputs")
     charts = [found for kind in KINDS if (found := chart(run, kind)).rows]
-    warnings = "".join(f"<li>{escape(text)}</li>" for text in facts.warnings(run))
-    status = "complete" if run.status == "complete" else "incomplete"
     parts = {
-        "title": escape(run.model.name),
-        "description": escape(run.model.description or ""),
-        "status": f'<span class="status {status}">{escape(run.status)}</span>',
         "counts": escape(facts.counts(run)),
-        "warnings": f'<ul class="warnings">{warnings}</ul>' if warnings else "<p>None.</p>",
-        "parameters": facts.parameters(run),
-        "model": facts.model_tables(run),
+        "warnings": facts.listed(facts.warnings(run), "warnings") or "<p>None.</p>",
         "statistics": facts.statistics(run),
-        "provenance": facts.provenance(run),
-        "yaml": facts.model_text(run),
+    }
+    attributes = getattr(run.source, "attributes", {})
+    return page(
+        "run", run.model, run.status, attributes, parts, embedded(run, charts), ("player.js", "run.js")
+    )
+
+
+def page(
+    kind: str,
+    model: Model,
+    status: str,
+    attributes: Mapping[str, Any],
+    parts: Mapping[str, str],
+    data: Mapping[str, Any],
+    scripts: tuple[str, ...],
+) -> str:
+    """A page about what came of a model: the template of its kind, filled.
+
+    attributes: of the file that it is from; parts: HTML by name, of what only this kind has; data: for the scripts
+    """
+    colour = "complete" if status == "complete" else "incomplete"
+    common = {
+        "title": escape(model.name),
+        "description": escape(model.description or ""),
+        "status": f'<span class="status {colour}">{escape(status)}</span>',
+        "parameters": facts.parameters(model),
+        "model": facts.model_tables(model),
+        "provenance": facts.provenance(model, attributes),
+        "yaml": facts.model_text(model),
+    }
+    body = _filled(_resource(f"{kind}.html"), {**common, **parts})
+    frame = {
+        "title": escape(model.name),
+        "body": body,
         "version": __version__,
         "style": _resource("page.css"),
-        "scripts": "\n".join(_resource(script) for script in SCRIPTS),
-        "data": json.dumps(embedded(run, charts), separators=(",", ":"), ensure_ascii=False).replace(
-            "</", "<\\/"
-        ),
+        "scripts": "\n".join(_resource(script) for script in (*SCRIPTS, *scripts)),
+        "data": json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/"),
     }
-    page = _resource("page.html")
-    before, *pieces = page.split("{{")
+    return _filled(_resource("page.html"), frame)
+
+
+def _filled(template: str, parts: Mapping[str, str]) -> str:
+    before, *pieces = template.split("{{")
     for piece in pieces:
         name, after = piece.split("}}", 1)
         before += parts[name] + after

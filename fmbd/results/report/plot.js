@@ -9,20 +9,28 @@ class Plot {
   constructor(parent, panel, across, group) {
     Object.assign(this, { panel, across, group });
     this.curves = panel.curves.map((curve, k) => ({
-      label: curve.label, x: arrays[curve.x], y: arrays[curve.y], visible: true, ...this.look(k),
+      label: curve.label, look: curve.look, x: arrays[curve.x], y: arrays[curve.y], visible: true, ...this.paint(curve, k),
     }));
     if (panel.title) create("h4", parent, "", panel.title);
     this.makeLegend(parent);
     this.canvas = create("canvas", parent);
     this.listen();
     group.plots.push(this);
-    const ends = this.curves.map((curve) => [curve.x[0], curve.x[curve.x.length - 1]]).flat();
+    // where points are, and may be named on the axis
+    this.stops = [...new Set(this.curves.filter((curve) => curve.look === "points").flatMap((curve) => [...curve.x]))];
+    this.stops.sort((a, b) => a - b);
+    const ends = this.curves.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]]);
+    if (this.stops.length) {
+      const [low, high] = [Math.min(...ends), Math.max(...ends)].map(group.scale), room = 0.06 * (high - low) || 0.1;
+      ends.push(group.unscale(low - room), group.unscale(high + room));
+    }
     group.all = [Math.min(group.all[0], ...ends), Math.max(group.all[1], ...ends)];
     group.range = [...group.all];
   }
 
-  look(k) {
+  paint(curve, k) {
     const count = this.panel.curves.length;
+    if (curve.look === "guide") return { colour: "#4a5563", dash: [2, 3] };
     if (this.panel.family || count > COLOURS.length * DASHES.length) {
       return { colour: `hsl(${265 - (200 * k) / Math.max(1, count - 1)} 65% ${32 + (22 * k) / count}%)`, dash: [] };
     }
@@ -79,8 +87,9 @@ class Plot {
   }
 
   toValue(pixel) {
-    const [low, high] = this.group.range, width = this.canvas.clientWidth - MARGIN.left - MARGIN.right;
-    return low + ((pixel - MARGIN.left) / width) * (high - low);
+    const [low, high] = this.group.range.map(this.group.scale);
+    const width = this.canvas.clientWidth - MARGIN.left - MARGIN.right;
+    return this.group.unscale(low + ((pixel - MARGIN.left) / width) * (high - low));
   }
 
   // Lowest and highest value in the range, as the axis has them.
@@ -104,9 +113,9 @@ class Plot {
 
   draw() {
     const [context, width, height] = prepare(this.canvas, this.canvas.clientHeight);
-    const [from, to] = this.group.range, [low, high] = this.limits();
+    const { scale } = this.group, [from, to] = this.group.range.map(scale), [low, high] = this.limits();
     const { left, right, top, bottom } = MARGIN;
-    const across = (x) => left + ((x - from) / (to - from)) * (width - left - right);
+    const across = (x) => left + ((scale(x) - from) / (to - from)) * (width - left - right);
     const up = (y) => height - bottom - ((y - low) / (high - low)) * (height - top - bottom);
     this.drawAxes(context, width, height, across, up, low, high);
     context.save();
@@ -125,7 +134,8 @@ class Plot {
     context.lineWidth = 1;
     context.strokeStyle = "#e6e9ee";
     context.fillStyle = "#4a5563";
-    const [xs, xStep] = ticks(from, to, Math.max(2, width / 75));
+    const [evenly, xStep] = ticks(from, to, Math.max(2, width / 75));
+    const xs = this.stops.length ? this.stops.filter((x) => x >= from && x <= to) : evenly;
     let [ys, yStep] = ticks(low, high, 4);
     if (this.panel.logarithmic) ys = ys.filter((y) => Math.abs(y - Math.round(y)) < 1e-6);
     context.beginPath();
@@ -134,10 +144,11 @@ class Plot {
     context.stroke();
     context.textAlign = "center";
     for (const x of xs) {
-      const text = shown(x, xStep), half = context.measureText(text).width / 2;
+      const text = this.stops.length ? `${Number(x.toPrecision(3))}` : shown(x, xStep), half = context.measureText(text).width / 2;
       context.fillText(text, Math.min(across(x), width - half), height - bottom + 13);
     }
-    context.fillText(`${this.across[0]} [${this.across[1]}]`, (left + width - right) / 2, height - 5);
+    const [quantity, unit] = this.across;
+    context.fillText(unit ? `${quantity} [${unit}]` : quantity, (left + width - right) / 2, height - 5);
     context.textAlign = "right";
     for (const y of ys) context.fillText(this.panel.logarithmic ? `1e${Math.round(y)}` : shown(y, yStep), left - 5, up(y) + 4);
     context.save();
@@ -182,6 +193,18 @@ class Plot {
     flush();
     context.stroke();
     context.setLineDash([]);
+    if (curve.look === "points") this.drawPoints(context, curve, across, up);
+  }
+
+  drawPoints(context, { x, y, colour }, across, up) {
+    context.fillStyle = colour;
+    for (let k = 0; k < x.length; k++) {
+      const value = this.panel.logarithmic ? Math.log10(Math.abs(y[k])) : y[k];
+      if (!isFinite(value)) continue;
+      context.beginPath();
+      context.arc(across(x[k]), up(value), 4, 0, 2 * Math.PI);
+      context.fill();
+    }
   }
 
   drawMarks(context, across, top, bottom) {
@@ -201,20 +224,29 @@ class Plot {
     }
   }
 
-  // Values at the pointer, else at the time of the mechanism.
+  // Values at the pointer, else at the time of the mechanism; of points those at the nearest stop.
   showValues() {
-    const at = this.group.hover ?? this.group.now;
+    const { hover, now, scale } = this.group, distance = (x) => Math.abs(scale(x) - scale(hover));
+    let at = hover ?? now;
+    if (at !== null && this.stops.length) at = this.stops.reduce((a, b) => (distance(b) < distance(a) ? b : a));
     for (const curve of this.curves) {
+      if (this.stops.length && !curve.x.includes(at)) {
+        curve.value.textContent = "";
+        continue;
+      }
       const k = at === null ? -1 : before(curve.x, at);
       const next = Math.min(k + 1, curve.x.length - 1);
       const nearest = k >= 0 && Math.abs(curve.x[next] - at) < Math.abs(curve.x[k] - at) ? next : k;
-      curve.value.textContent = nearest < 0 ? "" : Number(curve.y[nearest].toPrecision(4)).toString();
+      const value = nearest < 0 ? NaN : curve.y[nearest];
+      curve.value.textContent = isFinite(value) ? Number(value.toPrecision(4)).toString() : "";
     }
   }
 }
 
-function makeGroup(click) {
+function makeGroup(click, logarithmic = false) {
   return {
+    scale: logarithmic ? Math.log10 : (x) => x,
+    unscale: logarithmic ? (x) => 10 ** x : (x) => x,
     plots: [], all: [Infinity, -Infinity], range: null, hover: null, span: null, now: null, click,
     draw() { for (const plot of this.plots) plot.draw(); },
   };

@@ -24,17 +24,7 @@ slider.min = player.times[0];
 slider.max = player.duration;
 
 const overTime = makeGroup((time) => show(time));
-const groups = [overTime];
-for (const chart of data.charts) {
-  const group = chart.across[0] === "time" ? overTime : makeGroup(() => {});
-  if (group !== overTime) groups.push(group);
-  const parent = create("div", element("plots"), chart.rows.some((row) => row.length > 1) ? "chart broad" : "chart");
-  create("h3", parent, "", chart.title);
-  for (const row of chart.rows) {
-    const line = create("div", parent, "row");
-    for (const panel of row) new Plot(create("div", line, "panel"), panel, chart.across, group);
-  }
-}
+const groups = drawCharts(overTime);
 
 function show(time) {
   player.time = overTime.now = time;
