@@ -92,7 +92,7 @@ def _weight_less_inertia(motion: Motion, name: str, x: Array) -> Plane:
     # the shortening is of degree 5 within an element
     points, weights = gauss_points(breaks, 5 + degree(beam.pieces, "mass_per_length"))
     dm = weights * evaluate(beam.pieces, "mass_per_length", points)
-    per_mass = complex(*motion.system.model.gravity) - motion.beam_accelerations(name, points)
+    per_mass = complex(*motion.system.model.gravity) - motion.beam_points(name, points)[2]
     pieces = (per_mass * dm).reshape(len(motion.time), breaks.size - 1, -1).sum(axis=2)
     beyond = np.zeros((len(motion.time), breaks.size), complex)
     beyond[:, :-1] = np.cumsum(pieces[:, ::-1], axis=1)[:, ::-1]

@@ -217,7 +217,7 @@ def _beam(name: str, beam: Beam) -> Named:
         "shear_force": ("N", lambda run, x: run.motion.along(name, x, shear_force)),
         "axial_force": ("N", partial(_axial_force, name)),
     }
-    if beam.youngs_modulus is not None and all(piece.height is not None for piece in beam.pieces):
+    if beam.has_stress:
         stress = partial(upper_stress, youngs_modulus=beam.youngs_modulus)
         along["stress"] = ("Pa", lambda run, x: run.motion.along(name, x, stress))
     for place, (x, columns) in places.items():
