@@ -72,9 +72,7 @@ class VisualFile(Part):
             reject(("file",), f"{self.file}: {error}")
 
 
-VisualField = Annotated[
-    VisualFile, short_form("file", Text | VisualFile), AfterValidator(VisualFile.read)
-]
+VisualField = Annotated[VisualFile, short_form("file", Text | VisualFile), AfterValidator(VisualFile.read)]
 
 
 def _as_off(path: Path) -> str:

@@ -54,9 +54,7 @@ class Piece:
 def pieces(model: Model) -> list[Piece]:
     """Beams as curves, rigid bodies by their meshes, shapes or points, joints and ground points, springs as lines;
     those of vertices first, then of lines, then of polygons."""
-    return sorted(
-        _pieces(model), key=lambda piece: ("vertices", "lines", "polygons").index(piece.topology)
-    )
+    return sorted(_pieces(model), key=lambda piece: ("vertices", "lines", "polygons").index(piece.topology))
 
 
 def _pieces(model: Model) -> Iterator[Piece]:
@@ -64,9 +62,10 @@ def _pieces(model: Model) -> Iterator[Piece]:
     driven = {motor.joint for motor in model.motors.values()}
     for name, joint in model.joints.items():
         if joint.type != "free":
-            first = joint.between[0]
+            slides = "x" in joint.coordinates
+            at = joint.between[1 if slides else 0]
             kind = "motor" if name in driven else "joint"
-            yield Piece(kind, first.body, name, partial(_ends, (first,)), 1, "vertices")
+            yield Piece(kind, at.body, name, partial(_ends, (at,)), 1, "vertices")
     for point in model.ground.points:
         if point != ORIGIN:
             place = partial(_ends, (PointRef(GROUND, point),))
@@ -92,9 +91,7 @@ def connected(model: Model, parts: Sequence[Piece], fields: Sequence[str]) -> Dr
     """What connects the points of a drawing: each piece has its own."""
     names = (GROUND, *model.bodies)
     starts = np.cumsum([0, *(piece.points for piece in parts)])
-    cells = [
-        (piece, start + np.asarray(cell)) for piece, start in zip(parts, starts) for cell in piece.cells
-    ]
+    cells = [(piece, start + np.asarray(cell)) for piece, start in zip(parts, starts) for cell in piece.cells]
     by_topology = {
         topology: [cell for piece, cell in cells if piece.topology == topology]
         for topology in ("vertices", "lines", "polygons")

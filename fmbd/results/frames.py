@@ -136,7 +136,9 @@ def trailed(model: Model) -> PointRef | None:
     for name, body in reversed(model.bodies.items()):
         if isinstance(body, Beam):
             return PointRef(name, "end")
-    named = [PointRef(name, list(body.points)[-1]) for name, body in model.bodies.items() if len(body.points) > 2]
+    named = [
+        PointRef(name, list(body.points)[-1]) for name, body in model.bodies.items() if len(body.points) > 2
+    ]
     return named[-1] if named else None
 
 
