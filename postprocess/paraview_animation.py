@@ -99,7 +99,7 @@ class Scene:
 
     def forces(self):
         """Arrows of what joints put on the bodies of their first points, hidden until asked for."""
-        if "force" not in self.source.PointData.keys():
+        if "force" not in list(self.source.PointData.keys()):
             return
         arrows = simple.Glyph(Input=self.source, GlyphType="Arrow", registrationName="forces")
         arrows.OrientationArray, arrows.ScaleArray = ["POINTS", "force"], ["POINTS", "force"]
@@ -120,7 +120,7 @@ class Scene:
 
     def colour(self, shown):
         """Colours by a field, with equal limits for both signs over all times, and their bar."""
-        if COLOUR not in self.source.PointData.keys():
+        if COLOUR not in list(self.source.PointData.keys()):
             return
         simple.ColorBy(shown, ("POINTS", COLOUR))
         table = simple.GetColorTransferFunction(COLOUR)
@@ -161,7 +161,7 @@ class Scene:
 
 
 def exaggerated(source):
-    if EXAGGERATION == 1.0 or "deflection" not in source.PointData.keys():
+    if EXAGGERATION == 1.0 or "deflection" not in list(source.PointData.keys()):
         return source
     return simple.WarpByVector(Input=source, Vectors=["POINTS", "deflection"], ScaleFactor=EXAGGERATION - 1.0)
 

@@ -78,9 +78,9 @@ class Beam:
     foreshortening: bool = False
 
     @property
-    def has_stress(self) -> bool:
-        """Whether modulus and heights are known, from which bending stresses follow."""
-        return self.youngs_modulus is not None and all(piece.height is not None for piece in self.pieces)
+    def stress_modulus(self) -> float | None:
+        """Young's modulus [Pa] where stresses follow from bending: None without a section of known height."""
+        return self.youngs_modulus if all(piece.height is not None for piece in self.pieces) else None
 
 
 class BeamEntry(Part):

@@ -7,13 +7,14 @@ from collections.abc import Iterable
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, ValidationInfo
+from pydantic import PlainValidator, ValidationInfo
 
-from fmbd.model.base import Number, Pair, Part, Positive, Text, short_form
-from fmbd.model.context import context_of, reject
+from fmbd.model.base import Number, Pair, Part, Positive, Text
+from fmbd.model.context import Context, context_of, reject
 from fmbd.model.folder import beside
+from fmbd.model.names import described
 
 MAX_BYTES = 20_000_000
 MAX_FACES = 50_000
@@ -47,9 +48,8 @@ class VisualFile(Part):
     scale: Positive = 1.0
     """Factor of the mesh's coordinates: 0.001 for a file in millimetres."""
 
-    def read(self, info: ValidationInfo) -> Visual:
+    def read(self, context: Context) -> Visual:
         """The mesh in the file, placed; what cannot be read is refused."""
-        context = context_of(info)
         if self.file not in context.files:
             context.files[self.file] = self._text(context.folder)
         try:
@@ -72,19 +72,33 @@ class VisualFile(Part):
             reject(("file",), f"{self.file}: {error}")
 
 
-VisualField = Annotated[VisualFile, short_form("file", Text | VisualFile), AfterValidator(VisualFile.read)]
+def _to_visual(value: Any, info: ValidationInfo) -> Visual:
+    """A mesh from the name of its file or from a mapping."""
+    if isinstance(value, Visual):
+        return value
+    if not isinstance(value, str | dict):
+        raise ValueError(f"must be a file or a mapping, not {described(value)}")
+    short = value if isinstance(value, dict) else {"file": value}
+    return VisualFile.model_validate(short, context=info.context).read(context_of(info))
+
+
+VisualField = Annotated[Visual, PlainValidator(_to_visual, json_schema_input_type=str | VisualFile)]
 
 
 def _as_off(path: Path) -> str:
     """The faces of a mesh file, and the points that they use, in the format OFF; raises ValueError."""
     import meshio
+    import numpy as np
 
     try:
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             mesh = meshio.read(path)
-        points = mesh.points.tolist()
         faces = [face for block in mesh.cells if block.type in FACES for face in block.data.tolist()]
+        used = np.unique([point for face in faces for point in face]).astype(int).tolist()
+        if min(used, default=0) < 0:
+            raise IndexError
+        points = [(*mesh.points[point].tolist(), 0.0)[:3] for point in used]
     # meshio meets a broken file with whatever error comes, or exits
     except (Exception, SystemExit):
         raise ValueError(f"cannot be read as a mesh ({path.suffix.lower()})") from None
@@ -92,11 +106,8 @@ def _as_off(path: Path) -> str:
         raise ValueError("has no triangles or other faces")
     if len(faces) > MAX_FACES:
         raise ValueError(f"has {len(faces)} faces; {MAX_FACES} are allowed")
-    used = sorted({point for face in faces for point in face})
     number = {point: k for k, point in enumerate(used)}
-    return to_off(
-        ((*points[k], 0.0, 0.0)[:3] for k in used), ([number[point] for point in face] for face in faces)
-    )
+    return to_off(points, ([number[point] for point in face] for face in faces))
 
 
 def to_off(points: Iterable[Iterable[float]], faces: Iterable[Iterable[int]]) -> str:

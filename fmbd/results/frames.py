@@ -1,6 +1,7 @@
 """Frames of a drawing for ParaView: where its points are, and what is known of them, one frame after the other."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,10 +87,9 @@ class Frames:
                 assert isinstance(beam, Beam)
                 deflection[:, here] = jets[0][:, here] - _unbent(self.system.model, motion, piece)
                 moment[:, here] = motion.along(piece.body, x, bending_moment)
-                if beam.has_stress:
-                    stress[:, here] = motion.along(
-                        piece.body, x, lambda b, at, E=beam.youngs_modulus: upper_stress(b, at, E)
-                    )
+                if (modulus := beam.stress_modulus) is not None:
+                    rows = partial(upper_stress, youngs_modulus=modulus)
+                    stress[:, here] = motion.along(piece.body, x, rows)
             elif piece.topology == "vertices" and piece.kind in ("joint", "motor") and forces is not None:
                 force[:, here] = forces.joint(piece.name)[0][:, None]
         places = _vectors(jets[0], heights)
@@ -152,7 +152,7 @@ def _fields(parts: list[Piece], model: Model) -> tuple[str, ...]:
         *(("deflection",) if beams else ()),
         *(("force",) if kinds & {"joint", "motor"} else ()),
         *(("bending_moment",) if beams else ()),
-        *(("stress",) if any(beam.has_stress for beam in beams) else ()),
+        *(("stress",) if any(beam.stress_modulus is not None for beam in beams) else ()),
     )
 
 

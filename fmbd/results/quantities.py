@@ -217,8 +217,8 @@ def _beam(name: str, beam: Beam) -> Named:
         "shear_force": ("N", lambda run, x: run.motion.along(name, x, shear_force)),
         "axial_force": ("N", partial(_axial_force, name)),
     }
-    if beam.has_stress:
-        stress = partial(upper_stress, youngs_modulus=beam.youngs_modulus)
+    if (modulus := beam.stress_modulus) is not None:
+        stress = partial(upper_stress, youngs_modulus=modulus)
         along["stress"] = ("Pa", lambda run, x: run.motion.along(name, x, stress))
     for place, (x, columns) in places.items():
         for quantity, (unit, values) in along.items():
