@@ -18,7 +18,9 @@ Array = NDArray[np.float64]
 Plane = NDArray[np.complex128]
 Fields = dict[str, NDArray[np.float32]]
 
-#: Points of all frames that are worked out at once: they take some hundred bytes each.
+#: Points of all frames together, in a drawing that is not asked for more; each takes up to 72 bytes.
+POINTS = 1_000_000
+#: Points of all frames that are worked out at once.
 AT_ONCE = 200_000
 
 
@@ -47,9 +49,9 @@ class Frames:
         self._first: Array | None = None
         self._track = np.empty(0, complex)
 
-    def most(self, wanted: int, points: int = 1_000_000) -> int:
-        """So many frames as wanted, but of large drawings fewer: of about a million points in all."""
-        return min(wanted, max(10, points // max(1, self.drawing.points_per_frame)))
+    def most(self, wanted: int) -> int:
+        """So many frames as wanted; of drawings with many points fewer, but ten."""
+        return min(wanted, max(10, POINTS // max(1, self.drawing.points_per_frame)))
 
     def draw(
         self, time: Array, position: Array, velocity: Array, acceleration: Array, states: Array
