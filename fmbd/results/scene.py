@@ -156,7 +156,8 @@ def _visual(model: Model, motion: Motion, name: str) -> Item:
     assert isinstance(body, RigidBody) and body.visual is not None
     x, y, _ = np.array(body.visual.points).T
     outline = convex_hull(x + 1j * y)
-    return Item("shape", name, motion.fixed_points(name, outline)[0], mesh=Mesh(body.visual, outline))
+    kind = "shape" if outline.size > 2 else "body"
+    return Item(kind, name, motion.fixed_points(name, outline)[0], mesh=Mesh(body.visual, outline))
 
 
 def _wheels(model: Model, motion: Motion, radius: float) -> Iterator[Item]:

@@ -21,8 +21,8 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkIOHDF import vtkHDFReader
 
 import fmbd
+from fmbd import draw
 from fmbd.cli import main
-from fmbd.results.paraview import draw
 from fmbd.results.vtkhdf import KINDS
 
 ROOT = Path(__file__).parents[2]

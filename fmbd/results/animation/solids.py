@@ -39,10 +39,10 @@ def solid(item: Item, points: Plane, unit: float, layer: Mapping[str, int]) -> p
     ends = sorted((layer[item.body], layer[item.other or item.body]))
     under, over = heights(ends[0], unit)[0] - 0.15 * unit, heights(ends[1], unit)[1] + 0.15 * unit
     match item.kind:
+        case "body" | "shape" if item.mesh is not None:
+            return placed(item.mesh, points, 0.5 * (low + high))
         case "body":
             return plate(around(points, 0.85 * unit), low, high)
-        case "shape" if item.mesh is not None:
-            return placed(item.mesh, points, 0.5 * (low + high))
         case "shape":
             return plate(points, low, high)
         case "wheel":
