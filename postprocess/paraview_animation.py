@@ -1,10 +1,10 @@
 """A scene in ParaView: beams coloured by their bending moment, solid links, pins, motors, a trail, forces to switch on.
 
-    paraview run.vtkhdf --script=postprocess/paraview_animation.py      then press play
+    paraview --script=postprocess/paraview_animation.py         the newest archive of the working directory; press play
     pvpython postprocess/paraview_animation.py run.vtkhdf [OUT.png | OUT.avi | OUT.ogv]
 
-Without a file that is open or named it takes the newest archive of the working directory. ParaView 5.13 or newer opens
-archives; ParaView 5.11 and 5.12 open what `fmbd export run.vtkhdf run.pvd` writes.
+In ParaView with a file open: Tools, Python Shell, Run Script. ParaView 5.13 or newer opens archives; ParaView 5.11 and
+5.12 open what `fmbd export run.vtkhdf run.pvd` writes.
 """
 
 import sys
@@ -17,7 +17,7 @@ EXAGGERATION = 1.0  # of the deflection of beams
 FORCE = 0.2  # length of the largest arrow against the size of the mechanism; click the eye of "forces" to see them
 
 UNITS = {"bending_moment": "N m", "stress": "Pa", "velocity": "m/s", "displacement": "m", "deflection": "m"}
-KINDS = ("joint", "beam", "rigid body", "ground point", "spring", "motor", "trail", "visual")
+KINDS = ("joint", "beam", "rigid body", "ground point", "spring", "motor", "trail", "visual", "mass")
 INK, BODY, GROUND, BEAM = (0.17, 0.20, 0.24), (0.71, 0.74, 0.79), (0.50, 0.55, 0.61), (0.0, 0.45, 0.70)
 SPRING, MOTOR, TRAIL = (0.0, 0.62, 0.45), (0.90, 0.62, 0.0), (0.84, 0.37, 0.0)
 #: Colours for many bodies that the colour-blind tell apart (Okabe and Ito).
@@ -56,8 +56,9 @@ class Scene:
         for kind, radius, paint in (("spring", 0.16, SPRING), ("trail", 0.12, TRAIL)):
             if kind in self.kinds:
                 curve = simple.ExtractSurface(Input=self.of(kind))
-                self.show(self.tube(curve, radius, f"{kind}s"), paint)
+                self.show(self.tube(curve, radius, kind), paint)
         for kind, radius, height, paint in (
+            ("mass", 3.0, 0.6, BODY),
             ("ground point", 0.9, 0.5, GROUND),
             ("motor", 1.3, 2.0, MOTOR),
             ("joint", 0.5, 2.0, INK),
@@ -86,7 +87,7 @@ class Scene:
         return tube
 
     def cylinders(self, kind, radius, height):
-        pins = simple.Glyph(Input=self.of(kind), GlyphType="Cylinder", registrationName=f"{kind}s")
+        pins = simple.Glyph(Input=self.of(kind), GlyphType="Cylinder", registrationName=kind)
         pins.OrientationArray, pins.ScaleArray = (
             ["POINTS", "No orientation array"],
             ["POINTS", "No scale array"],
@@ -132,6 +133,7 @@ class Scene:
         bar = simple.GetScalarBar(table, self.view)
         bar.Title, bar.ComponentTitle = f"{COLOUR.replace('_', ' ')} [{UNITS[COLOUR]}]", ""
         bar.TitleColor = bar.LabelColor = INK
+        bar.AddRangeLabels = 0
         bar.Orientation, bar.WindowLocation = "Horizontal", "Lower Right Corner"
         bar.TitleFontSize, bar.LabelFontSize, bar.ScalarBarLength, bar.ScalarBarThickness = 18, 15, 0.3, 12
         shown.SetScalarBarVisibility(self.view, True)
@@ -174,7 +176,7 @@ def inventory(source):
     for k in range(data.GetNumberOfCells()):
         kind = KINDS[int(cells.GetArray("kind").GetTuple1(k))]
         kinds.setdefault(kind, set()).add(data.GetCell(k).GetCellDimension())
-        if kind in ("beam", "rigid body", "visual"):
+        if kind in ("beam", "rigid body", "visual", "mass"):
             names = cells.GetAbstractArray("name")
             row = names.GetValue(k) if names.IsA("vtkStringArray") else names.GetTuple(k)
             name = row if isinstance(row, str) else "".join(chr(int(letter)) for letter in row if letter)
@@ -194,7 +196,10 @@ def extent(source):
         source.UpdatePipeline(time)
         bounds.append(source.GetDataInformation().GetBounds())
     left, right, bottom, top, *_ = zip(*bounds)
-    return min(left), max(right), min(bottom), max(top)
+    left, right, bottom, top = min(left), max(right), min(bottom), max(top)
+    if max(right - left, top - bottom) < 1e-9:
+        return left - 0.5, right + 0.5, bottom - 0.5, top + 0.5
+    return left, right, bottom, top
 
 
 def largest_over_time(source, field):
@@ -216,10 +221,13 @@ def opened(named):
     found = [path for suffix in ("*.vtkhdf", "*.pvd") for path in Path.cwd().glob(suffix)]
     if not named and not found:
         raise SystemExit("open an archive first, or say which: pvpython paraview_animation.py run.vtkhdf")
-    path = Path(named) if named else max(found, key=lambda path: path.stat().st_mtime)
     version = simple.GetParaViewVersion()
-    if path.suffix == ".vtkhdf" and (version.major, version.minor) < (5, 13):
-        raise SystemExit(f"ParaView {version} does not play archives: fmbd export {path} {path.stem}.pvd")
+    plays_archives = (version.major, version.minor) >= (5, 13)
+    usable = [path for path in found if plays_archives or path.suffix == ".pvd"] or found
+    path = Path(named) if named else max(usable, key=lambda path: path.stat().st_mtime)
+    if path.suffix == ".vtkhdf" and not plays_archives:
+        number = f"{version.major}.{version.minor}"
+        raise SystemExit(f"ParaView {number} does not play archives: fmbd export {path} {path.stem}.pvd")
     return simple.OpenDataFile(str(path))
 
 

@@ -22,6 +22,8 @@ Plane = NDArray[np.complex128]
 CORNERS = 48  # of a disc
 SEGMENTS = 24  # at least, of a beam
 SEGMENTS_PER_ELEMENT = 4
+#: Kind and topology of rigid bodies with so few corners.
+OUTLINED = {1: ("mass", "vertices"), 2: ("rigid body", "lines")}
 TRAIL = 60  # frames that a trail goes back
 
 
@@ -79,8 +81,8 @@ def _pieces(model: Model) -> Iterator[Piece]:
             yield _visual(name, body.visual)
         else:
             outline = _outline(body, {ref.point for ref in used if ref.body == name})
-            topology = {1: "vertices", 2: "lines"}.get(len(outline), "polygons")
-            yield Piece("rigid body", name, name, partial(_fixed, name, outline), len(outline), topology)
+            kind, topology = OUTLINED.get(len(outline), ("rigid body", "polygons"))
+            yield Piece(kind, name, name, partial(_fixed, name, outline), len(outline), topology)
     for name, spring in model.springs.items():
         if spring.type == "point_to_point":
             between = spring.between

@@ -92,7 +92,7 @@ class Frames:
                 if (modulus := beam.stress_modulus) is not None:
                     rows = partial(upper_stress, youngs_modulus=modulus)
                     stress[:, here] = motion.along(piece.body, x, rows)
-            elif piece.topology == "vertices" and piece.kind in ("joint", "motor") and forces is not None:
+            elif piece.kind in ("joint", "motor") and forces is not None:
                 force[:, here] = forces.joint(piece.name)[0][:, None]
         places = _vectors(jets[0], heights)
         if self._first is None:

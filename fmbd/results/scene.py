@@ -162,7 +162,7 @@ def _visual(model: Model, motion: Motion, name: str) -> Item:
 
 def _wheels(model: Model, motion: Motion, radius: float) -> Iterator[Item]:
     for piece in pieces(model):
-        if piece.topology == "vertices" and piece.kind == "rigid body":
+        if piece.kind == "mass":
             centre = piece.place(motion)[0]
             spoke = radius * np.exp(1j * motion.frame(piece.body).angle[0])[:, None]
             yield Item("wheel", piece.body, np.concatenate([centre, centre + spoke], axis=1))

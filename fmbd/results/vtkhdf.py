@@ -18,7 +18,7 @@ from fmbd.results import blocks
 
 Indices = NDArray[np.int64]
 
-KINDS = ("joint", "beam", "rigid body", "ground point", "spring", "motor", "trail", "visual")
+KINDS = ("joint", "beam", "rigid body", "ground point", "spring", "motor", "trail", "visual", "mass")
 #: Units of the fields that points may have, and the numbers of their components.
 FIELDS = {
     "displacement": ("m", 3),

@@ -23,6 +23,8 @@ from vtkmodules.vtkIOHDF import vtkHDFReader
 import fmbd
 from fmbd import draw
 from fmbd.cli import main
+from fmbd.results.animation.solids import solid
+from fmbd.results.scene import scene
 from fmbd.results.vtkhdf import KINDS
 
 ROOT = Path(__file__).parents[2]
@@ -196,6 +198,17 @@ def test_a_mesh_for_looks_moves_with_its_body_and_needs_no_file(
         expected = 1e-3 * BAR[np.ravel(TRIANGLES)] @ turned.T
         assert_allclose(k.points[np.ravel(cells)], expected, **SINGLE)
         assert not any(kind == "rigid body" and name == "crank" for kind, name, _ in k.cells)
+
+
+def test_animations_show_the_mesh_where_the_body_is(decorated: fmbd.Run) -> None:
+    """The solid that `fmbd animate` draws, at the second of two times."""
+    shown = scene(decorated, [0, len(decorated.time) - 1])
+    (item,) = (item for item in shown.items if item.body == "crank" and item.mesh is not None)
+    corners = solid(item, item.points[1], unit=0.01, layer={"crank": 1}).points
+    turn = np.exp(1j * decorated["crank.angle"][-1])
+    expected = 1e-3 * (BAR[:, 0] + 1j * BAR[:, 1]) * turn
+    for corner in expected:
+        assert np.abs(corners[:, 0] + 1j * corners[:, 1] - corner).min() < 1e-6
 
 
 def test_the_archive_itself_plays(decorated: fmbd.Run) -> None:
