@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from fmbd.model.schema import json_schema
     from fmbd.results.animation.movie import animate
     from fmbd.results.archive import ArchiveError
+    from fmbd.results.paraview import draw
     from fmbd.results.plots.plot import figures
     from fmbd.results.report.page import report
     from fmbd.results.run import Run, open_run
@@ -48,6 +49,7 @@ __all__ = [
     "__version__",
     "animate",
     "assemble",
+    "draw",
     "equilibrium",
     "figures",
     "json_schema",
@@ -78,6 +80,7 @@ _HOMES = {
     "UnknownQuantity": "fmbd.errors",
     "animate": "fmbd.results.animation.movie",
     "assemble": "fmbd.system",
+    "draw": "fmbd.results.paraview",
     "equilibrium": "fmbd.analyses.statics",
     "figures": "fmbd.results.plots.plot",
     "json_schema": "fmbd.model.schema",

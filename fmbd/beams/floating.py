@@ -54,7 +54,7 @@ class FloatingBeam:
     turning: Array  #: rows whose square is the rest of M, that of what turns, shape (at most 8, nf)
     K: Array  #: stiffness matrix, shape (nf, nf)
     shear: Array  #: Phi of each element (hermite.py), shape (n,), zeros if rigid in shear
-    point_masses: Array  #: positions [m] and masses [kg], shape (point masses, 2)
+    point_masses: Array  #: positions [m], masses [kg], inertias [kg m^2], shape (k, 3)
     modes: Array | None = None  #: of the nodal coordinates, shape (nodal coordinates, nf)
 
     @property
@@ -221,7 +221,7 @@ def floating_beam(
         turning=_constant(few),
         K=_constant(_square(G)),
         shear=_constant(shear),
-        point_masses=_constant(np.stack([x_k, m_k], axis=-1)),
+        point_masses=_constant(np.stack([x_k, m_k, I_k], axis=-1)),
     )
 
 

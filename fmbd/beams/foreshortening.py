@@ -99,6 +99,6 @@ class Foreshortening:
             total += integral(piece.end - piece.start) - integral(
                 np.clip(x, piece.start, piece.end) - piece.start
             )
-        for position, mass in self.beam.point_masses:
+        for position, mass, _ in self.beam.point_masses:
             total += mass * position**power * (x <= position)
         return total

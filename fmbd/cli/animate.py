@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from fmbd.cli.common import BAD_INPUT, DONE, terminal
+from fmbd.cli.common import BAD_INPUT, DONE, positive, terminal
 
 EPILOG = """\
   fmbd animate five-bar.vtkhdf five-bar.gif
@@ -31,7 +31,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--speed",
         metavar="NUMBER",
-        type=_positive,
+        type=positive,
         help="seconds of the run in a second (default: so that it takes about six)",
     )
     parser.add_argument("--size", metavar="WIDTHxHEIGHT", type=_size, help="pixels (default: 800 wide)")
@@ -44,7 +44,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--deflection",
         metavar="FACTOR",
-        type=_positive,
+        type=positive,
         default=1.0,
         help="exaggerate the deflection of beams",
     )
@@ -60,13 +60,6 @@ def add(commands: Any) -> None:
         "--flat", action="store_true", help="draw as figures are drawn, without light and depth"
     )
     parser.set_defaults(command=_animate)
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a positive number")
-    return value
 
 
 def _rate(text: str) -> int:

@@ -262,6 +262,14 @@ def seconds(text: str) -> float:
     return time
 
 
+def positive(text: str) -> float:
+    """The type of an argument that is a positive number."""
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a positive number")
+    return value
+
+
 def number(value: SupportsFloat, digits: int = 6) -> str:
     """A number in a table: round-off of zero is zero."""
     value = float(value)

@@ -49,12 +49,15 @@ def add(commands: Any) -> None:
         ("duration", "SECONDS", "simulated time"),
     ):
         parser.add_argument(f"--{key}", metavar=metavar, help=f"{what}; short for --set simulation.{key}=...")
+    parser.add_argument(
+        "--no-drawing", action="store_true", help="leave out what ParaView plays; the file is smaller"
+    )
     parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(command=_run)
 
 
 def _run(args: argparse.Namespace) -> int:
-    from fmbd.results.simulate import simulate
+    from fmbd.results.simulate import FRAMES, simulate
 
     given = {key: getattr(args, key) for key in ("method", "rtol", "duration")}
     model = read_model(
@@ -66,9 +69,9 @@ def _run(args: argparse.Namespace) -> int:
         return BAD_INPUT
     bar = progress_bar(model.name, model.simulation.duration, "t = {task.completed:.3g} s", quiet=args.quiet)
     with compiling_announced(args.quiet), bar as on_progress:
-        run = simulate(model, output, on_progress)
+        run = simulate(model, output, on_progress, frames=0 if args.no_drawing else FRAMES)
     if not args.quiet:
-        _summarise(run, output)
+        _summarise(run, output, drawn=not args.no_drawing)
     if run.status == "complete":
         return DONE
     if args.quiet:
@@ -103,7 +106,7 @@ def _method(run: "Run") -> str:
     return f"auto: {picked}" if picked else run.model.simulation.method
 
 
-def _summarise(run: "Run", output: Path) -> None:
+def _summarise(run: "Run", output: Path, drawn: bool) -> None:
     simulation = run.model.simulation
     size = output.stat().st_size / 1e6
     show(f"{run.model.name}: {run.status}", style="bold")
@@ -114,7 +117,7 @@ def _summarise(run: "Run", output: Path) -> None:
             f"{run.statistics['time_reached']:g} of {simulation.duration:g} s, {len(run.time)} outputs",
         ),
         *course(run.statistics),
-        ("archive", f"{output} ({size:.3g} MB); ParaView plays it"),
+        ("archive", f"{output} ({size:.3g} MB){'; ParaView plays it' if drawn else ''}"),
         ("next", f"fmbd info {output}"),
         ("", f"fmbd report {output}"),
         ("", f"fmbd plot {output}"),

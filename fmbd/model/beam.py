@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo
+from pydantic import Discriminator, Field, Tag, ValidationInfo, model_validator
 
 from fmbd.model.base import Flag, NotNegative, Number, Part, Positive, Text, Whole, short_form
 from fmbd.model.context import Context, context_of, reference, reject
@@ -93,6 +93,11 @@ class Beam:
         """Whether the beam shears."""
         return self.pieces[0].shear_stiffness is not None
 
+    @property
+    def stress_modulus(self) -> float | None:
+        """Young's modulus [Pa] where stresses follow from bending: None without a section of known height."""
+        return self.youngs_modulus if all(piece.height is not None for piece in self.pieces) else None
+
 
 class BeamEntry(Part):
     """A slender beam that bends in the plane."""
@@ -141,6 +146,13 @@ class BeamEntry(Part):
     """Masses fixed to points of the beam: a mass [kg] or {mass, inertia}."""
     damping: Damping = Damping()
     """Structural damping."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bends(cls, value: Any) -> Any:
+        if isinstance(value, dict) and "visual" in value:
+            reject(("visual",), "a mesh for looks does not bend: only rigid bodies may have one")
+        return value
 
     def resolve(self, info: ValidationInfo) -> Beam:
         """The beam with its nodes, points and properties worked out."""

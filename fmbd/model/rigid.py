@@ -11,13 +11,14 @@ from fmbd.model.materials import Material
 from fmbd.model.names import unknown
 from fmbd.model.points import CENTER_OF_MASS, ORIGIN, Point, PointsField, with_built_in
 from fmbd.model.shapes import DEPTH, Shape, ShapeField
+from fmbd.model.visuals import Visual, VisualField
 
 
 @dataclass(frozen=True, slots=True)
 class RigidBody:
     """A rigid body: mass [kg], moment of inertia about the centre of mass [kg m^2], centre of mass [m].
 
-    `points` includes `origin` and `center_of_mass`; `shape` is None unless the file gives one.
+    `points` includes `origin` and `center_of_mass`; `shape` and `visual` are None unless the file gives them.
     """
 
     type: ClassVar[str] = "rigid"
@@ -26,6 +27,7 @@ class RigidBody:
     center_of_mass: tuple[float, float]
     points: dict[str, Point]
     shape: Shape | None
+    visual: Visual | None = None
 
 
 class InertiaAbout(Part):
@@ -55,6 +57,8 @@ class RigidBodyEntry(Part):
     """Material of the shape, instead of a density."""
     points: PointsField = Field(default_factory=dict)
     """Points of the body by name: [x, y] or {at: [x, y], angle: rad}."""
+    visual: VisualField | None = None
+    """A mesh for looks: a file beside the model, or {file, at, angle, scale}."""
 
     def resolve(self) -> RigidBody:
         """The body with its mass properties worked out."""
@@ -63,7 +67,8 @@ class RigidBodyEntry(Part):
         else:
             mass, inertia, center = self._from_numbers()
         built_in = {ORIGIN: Point(at=(0.0, 0.0)), CENTER_OF_MASS: Point(at=center)}
-        return RigidBody(mass, inertia, center, with_built_in(self.points, built_in), self.shape)
+        points = with_built_in(self.points, built_in)
+        return RigidBody(mass, inertia, center, points, self.shape, self.visual)
 
     def _from_numbers(self) -> tuple[float, float, tuple[float, float]]:
         for key in ("density", "material"):

@@ -11,6 +11,7 @@ from pydantic import PlainValidator
 
 from fmbd.model.base import LARGEST, Part, Text
 from fmbd.model.context import Context, reject
+from fmbd.model.folder import beside
 from fmbd.model.names import described, unknown
 
 MAX_BYTES = 50_000_000
@@ -49,7 +50,7 @@ class TableFile(Part):
         A file that cannot be read, or whose first column does not increase, is refused by file and line.
         """
         if self.file not in context.files:
-            context.files[self.file] = self._text(self._locate(context.folder))
+            context.files[self.file] = self._text(beside(context.folder, self.file, MAX_BYTES))
         rows = self._rows(context.files[self.file])
         if not rows:
             reject(("file",), f"{self.file}: the file is empty")
@@ -67,20 +68,6 @@ class TableFile(Part):
         if len(values) < 2:
             reject(("file",), f"{self.file}: a table needs at least two rows of numbers, has {len(values)}")
         return tuple(increasing), tuple(values)
-
-    def _locate(self, folder: Path) -> Path:
-        try:
-            root = folder.resolve()
-            path = (root / self.file).resolve()
-            if not path.is_relative_to(root):
-                reject(("file",), f"{self.file}: the file must lie in the model's folder")
-            if not path.is_file():
-                reject(("file",), f"{self.file}: there is no such file in the model's folder")
-            if path.stat().st_size > MAX_BYTES:
-                reject(("file",), f"{self.file}: the file has more than {MAX_BYTES} bytes")
-        except (OSError, RuntimeError) as error:
-            reject(("file",), f"{self.file!r}: cannot be read: {error}")
-        return path
 
     def _text(self, path: Path) -> str:
         try:

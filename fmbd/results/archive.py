@@ -102,10 +102,18 @@ class ArchiveWriter:
             # Time comes last: a reader takes as many steps as every dataset has.
             blocks.append([(self._datasets["time"], steps)])
 
-    def write_frames(self, times: ArrayLike, points: ArrayLike) -> None:
-        """Append frames of the drawing: times [s], shape (k,); points [m], shape (k, npoints, 3)."""
+    def write_frames(
+        self, times: ArrayLike, points: ArrayLike, fields: Mapping[str, ArrayLike] | None = None
+    ) -> None:
+        """Append frames of the drawing: times [s], shape (k,); points [m], shape (k, npoints, 3).
+
+        fields: every field of the drawing, each (k, npoints) or (k, npoints, 3)
+        """
+        values = {name: np.asarray(value, np.float32) for name, value in (fields or {}).items()}
         with self._naming_the_file():
-            vtkhdf.append_frames(self._file, np.asarray(times, np.float64), np.asarray(points, np.float32))
+            vtkhdf.append_frames(
+                self._file, np.asarray(times, np.float64), np.asarray(points, np.float32), values
+            )
 
     def finish(self, status: str, statistics: Mapping[str, Value]) -> None:
         """Record how the run ended, `complete` or `stopped: reason`, and close the file."""

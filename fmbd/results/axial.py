@@ -37,7 +37,7 @@ def axial_forces(forces: Forces, name: str, x: Array) -> tuple[Array, Array]:
     beyond = _weight_less_inertia(motion, name, x) + _distributed(motion, name, x)
     before, after = beyond, beyond.copy()
     places, masses = _point_masses(motion, name)
-    per_mass = complex(*motion.system.model.gravity) - motion.beam_accelerations(name, places)
+    per_mass = complex(*motion.system.model.gravity) - motion.beam_points(name, places)[2]
     for at, mass, field in zip(places, masses, per_mass.T, strict=True):
         _add(before, after, x, float(at), mass * field)
     for at, force in point_forces(forces, name):
@@ -90,8 +90,8 @@ def _point_masses(motion: Motion, name: str) -> tuple[Array, Array]:
     parts = []
     for segment in lowered.segmentation.beams[name]:
         own = motion.system.beams[lowered.body_index[segment.body]].point_masses
-        parts.append(own + np.array([segment.start, 0.0]))
-    places, masses = np.concatenate(parts).T
+        parts.append(own + np.array([segment.start, 0.0, 0.0]))
+    places, masses, _ = np.concatenate(parts).T
     return places, masses
 
 
@@ -104,7 +104,7 @@ def _weight_less_inertia(motion: Motion, name: str, x: Array) -> Plane:
     # the shortening is of degree 5 within an element
     points, weights = gauss_points(breaks, 5 + degree(beam.pieces, "mass_per_length"))
     dm = weights * evaluate(beam.pieces, "mass_per_length", points)
-    per_mass = complex(*motion.system.model.gravity) - motion.beam_accelerations(name, points)
+    per_mass = complex(*motion.system.model.gravity) - motion.beam_points(name, points)[2]
     pieces = (per_mass * dm).reshape(len(motion.time), breaks.size - 1, -1).sum(axis=2)
     beyond = np.zeros((len(motion.time), breaks.size), complex)
     beyond[:, :-1] = np.cumsum(pieces[:, ::-1], axis=1)[:, ::-1]

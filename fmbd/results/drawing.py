@@ -1,7 +1,10 @@
-"""The drawing of a mechanism for ParaView: its points, what connects them, and where they are over time."""
+"""The drawing of a mechanism: its pieces, what connects their points, and where they are over time.
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+frames.py makes the frames of it that ParaView plays; scene.py draws figures and animations from the same pieces.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -10,89 +13,134 @@ from numpy.typing import NDArray
 from fmbd.model import Beam, Model, RigidBody
 from fmbd.model.points import CENTER_OF_MASS, GROUND, ORIGIN, PointRef
 from fmbd.model.shapes import Disc, Rod, Shape
-from fmbd.results.motion import Motion
+from fmbd.model.visuals import Visual
+from fmbd.results.motion import Motion, PlaneJet
 from fmbd.results.vtkhdf import KINDS, Drawing
 
 Plane = NDArray[np.complex128]
-Place = Callable[[Motion], Plane]
 
 CORNERS = 48  # of a disc
 SEGMENTS = 24  # at least, of a beam
 SEGMENTS_PER_ELEMENT = 4
+#: Kind and topology of rigid bodies with so few corners.
+OUTLINED = {1: ("mass", "vertices"), 2: ("rigid body", "lines")}
+TRAIL = 60  # frames that a trail goes back
 
 
-@dataclass
-class Sketch:
-    """Cells of a drawing, each with the rule that places its points, shape (nt, n), over a motion."""
+@dataclass(frozen=True)
+class Piece:
+    """A part of a drawing: n points that move, and what connects them.
 
-    names: tuple[str, ...]
-    cells: dict[str, list[tuple[int, int, Place, int]]] = field(
-        default_factory=lambda: {"vertices": [], "lines": [], "polygons": []}
-    )
+    kind: one of vtkhdf.KINDS; body: the one it belongs to; name: the joint, spring or body that it shows
+    place: jets of the points over a motion, shape (3, nt, n)
+    faces: the points of each polygon; None: all of them make one vertex, line or polygon
+    heights: z of the points [m]; stations: positions [m] of the points along a beam
+    """
 
-    def add(self, topology: str, body: str, kind: str, place: Place, points: int) -> None:
-        """Add a cell of so many points."""
-        self.cells[topology].append((self.names.index(body), KINDS.index(kind), place, points))
+    kind: str
+    body: str
+    name: str
+    place: Callable[[Motion], PlaneJet]
+    points: int
+    topology: str
+    faces: tuple[tuple[int, ...], ...] | None = None
+    heights: tuple[float, ...] | float = 0.0
+    stations: tuple[float, ...] = ()
 
     @property
-    def drawing(self) -> Drawing:
-        """What connects the points: each cell has its own."""
-        cells = [cell for group in self.cells.values() for cell in group]
-        ends = np.cumsum([points for *_, points in cells], dtype=int)
-        indices = [np.arange(end - points, end) for end, (*_, points) in zip(ends, cells, strict=True)]
-        nv, nl = len(self.cells["vertices"]), len(self.cells["lines"])
-        return Drawing(
-            points_per_frame=int(ends[-1]) if cells else 0,
-            vertices=[int(index[0]) for index in indices[:nv]],
-            lines=indices[nv : nv + nl],
-            polygons=indices[nv + nl :],
-            body_id=[body for body, *_ in cells],
-            kind=[kind for _, kind, *_ in cells],
-            names=self.names,
-        )
-
-    def points(self, motion: Motion) -> NDArray[np.float32]:
-        """Where the points are [m], shape (nt, points, 3)."""
-        cells = [cell for group in self.cells.values() for cell in group]
-        plane = np.concatenate([place(motion) for *_, place, _ in cells], axis=1)
-        return np.stack([plane.real, plane.imag, np.zeros(plane.shape)], axis=-1).astype(np.float32)
+    def cells(self) -> Sequence[Sequence[int]]:
+        """Points of each cell, counted within the piece."""
+        return [range(self.points)] if self.faces is None else self.faces
 
 
-def sketch(model: Model) -> Sketch:
-    """Beams as curves, rigid bodies by their shapes or points, joints and ground points, springs as lines."""
-    out = Sketch((GROUND, *model.bodies))
+def pieces(model: Model) -> list[Piece]:
+    """Beams as curves, rigid bodies by their meshes, shapes or points, joints and ground points, springs as lines;
+    those of vertices first, then of lines, then of polygons."""
+    return sorted(_pieces(model), key=lambda piece: ("vertices", "lines", "polygons").index(piece.topology))
+
+
+def _pieces(model: Model) -> Iterator[Piece]:
     used = [ref for joint in model.joints.values() for ref in joint.between]
-    for joint in model.joints.values():
+    driven = {motor.joint for motor in model.motors.values()}
+    for name, joint in model.joints.items():
         if joint.type != "free":
-            first = joint.between[0]
-            out.add("vertices", first.body, "joint", partial(_ends, (first,)), 1)
+            slides = "x" in joint.coordinates
+            at = joint.between[1 if slides else 0]
+            kind = "motor" if name in driven else "joint"
+            yield Piece(kind, at.body, name, partial(_ends, (at,)), 1, "vertices")
     for point in model.ground.points:
         if point != ORIGIN:
-            out.add("vertices", GROUND, "ground point", partial(_ends, (PointRef(GROUND, point),)), 1)
+            place = partial(_ends, (PointRef(GROUND, point),))
+            yield Piece("ground point", GROUND, point, place, 1, "vertices")
     for name, body in model.bodies.items():
         if isinstance(body, Beam):
             x = _stations(body)
-            out.add("lines", name, "beam", partial(_beam, name, x), x.size)
-            continue
-        outline = _outline(body, {ref.point for ref in used if ref.body == name})
-        topology = {1: "vertices", 2: "lines"}.get(len(outline), "polygons")
-        out.add(topology, name, "rigid body", partial(_fixed, name, outline), len(outline))
-    for spring in model.springs.values():
+            place = partial(_beam, name, x)
+            yield Piece("beam", name, name, place, x.size, "lines", stations=tuple(x))
+        elif body.visual is not None:
+            yield _visual(name, body.visual)
+        else:
+            outline = _outline(body, {ref.point for ref in used if ref.body == name})
+            kind, topology = OUTLINED.get(len(outline), ("rigid body", "polygons"))
+            yield Piece(kind, name, name, partial(_fixed, name, outline), len(outline), topology)
+    for name, spring in model.springs.items():
         if spring.type == "point_to_point":
-            out.add("lines", spring.between[0].body, "spring", partial(_ends, spring.between), 2)
-    return out
+            between = spring.between
+            yield Piece("spring", between[0].body, name, partial(_ends, between), 2, "lines")
 
 
-def _ends(refs: Sequence[PointRef], motion: Motion) -> Plane:
-    return np.stack([motion.point(*ref).place[0] for ref in refs], axis=-1)
+def connected(model: Model, parts: Sequence[Piece], fields: Sequence[str]) -> Drawing:
+    """What connects the points of a drawing: each piece has its own."""
+    names = (GROUND, *model.bodies)
+    starts = np.cumsum([0, *(piece.points for piece in parts)])
+    cells = [(piece, start + np.asarray(cell)) for piece, start in zip(parts, starts) for cell in piece.cells]
+    by_topology = {
+        topology: [cell for piece, cell in cells if piece.topology == topology]
+        for topology in ("vertices", "lines", "polygons")
+    }
+    return Drawing(
+        points_per_frame=int(starts[-1]),
+        vertices=[int(cell[0]) for cell in by_topology["vertices"]],
+        lines=by_topology["lines"],
+        polygons=by_topology["polygons"],
+        body_id=[names.index(piece.body) for piece, _ in cells],
+        kind=[KINDS.index(piece.kind) for piece, _ in cells],
+        names=names,
+        labels=[piece.name for piece, _ in cells],
+        fields=fields,
+    )
 
 
-def _beam(name: str, x: NDArray[np.float64], motion: Motion) -> Plane:
+def straight(model: Model, motion: Motion, name: str) -> Plane:
+    """Ends of a beam's axis before it bends, shape (nt, 2); through its ends if both are held, so that it stays
+    attached."""
+    beam = model.bodies[name]
+    assert isinstance(beam, Beam)
+    held = {
+        beam.points[ref.point] for joint in model.joints.values() for ref in joint.between if ref.body == name
+    }
+    ends = np.array([0.0, beam.length])
+    if set(ends) <= held:
+        return motion.beam_points(name, ends)[0]
+    return motion.fixed_points(name, ends.astype(complex))[0]
+
+
+def _ends(refs: Sequence[PointRef], motion: Motion) -> PlaneJet:
+    return np.stack([motion.point(*ref).place for ref in refs], axis=-1)
+
+
+def _beam(name: str, x: NDArray[np.float64], motion: Motion) -> PlaneJet:
     return motion.beam_points(name, x)
 
 
-def _fixed(name: str, outline: Plane, motion: Motion) -> Plane:
+def _fixed(name: str, outline: Plane, motion: Motion) -> PlaneJet:
     return motion.fixed_points(name, outline)
+
+
+def _visual(name: str, visual: Visual) -> Piece:
+    x, y, z = np.array(visual.points).T
+    place = partial(_fixed, name, x + 1j * y)
+    return Piece("visual", name, name, place, x.size, "polygons", visual.faces, tuple(z))
 
 
 def _stations(beam: Beam) -> NDArray[np.float64]:

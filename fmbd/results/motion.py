@@ -93,37 +93,30 @@ class Motion:
         seen.angle[0] -= self.system.lowered.turns.get(name, 0.0)
         return Track(seen.place * complex(joint.axis[0], -joint.axis[1]), seen.angle)
 
-    def beam_points(self, body: str, x: Array) -> NDArray[np.complex128]:
-        """Points of the deflected axis of a beam at positions x [m] (n,), shape (nt, n)."""
-        out = np.empty((len(self.time), x.size), complex)
-        for segment, here, local in self.system.lowered.segmentation.at(body, x):
-            out[:, here] = self.fixed_points(segment.body, self._axis(segment.body, local)[0])
-        return out
-
-    def beam_accelerations(self, body: str, x: Array) -> NDArray[np.complex128]:
-        """Accelerations [m/s^2] of points of the axis of a beam at positions x [m] (n,), shape (nt, n)."""
-        return self.beam_jets(body, x)[2]
-
-    def beam_jets(self, body: str, x: Array) -> PlaneJet:
+    def beam_points(self, body: str, x: Array) -> PlaneJet:
         """Jets of points of the deflected axis of a beam at positions x [m] (n,), shape (3, nt, n)."""
         out = np.empty((3, len(self.time), x.size), complex)
         for segment, here, local in self.system.lowered.segmentation.at(body, x):
-            frame = self._frames[segment.body]
-            turned = product(turn(frame.angle)[..., None], self._axis(segment.body, local))
-            out[:, :, here] = frame.place[..., None] + turned
+            out[..., here] = self._carried(segment.body, self._axis(segment.body, local))
         return out
 
-    def fixed_points(self, body: str, local: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Points given in the frame of a body, shape (n,) or (nt, n), in the world, shape (nt, n)."""
+    def fixed_points(self, body: str, local: NDArray[np.complex128]) -> PlaneJet:
+        """Jets of points given in the frame of a body (n,), shape (3, nt, n)."""
+        still = np.zeros((3, len(self.time), local.size), complex)
+        still[0] = local
+        return self._carried(body, still)
+
+    def _carried(self, body: str, local: PlaneJet) -> PlaneJet:
+        """Jets of points that move in the frame of a body, in the world, shape (3, nt, n)."""
         frame = self._frames[body]
-        return frame.place[0][:, None] + np.exp(1j * frame.angle[0])[:, None] * local
+        return frame.place[..., None] + product(turn(frame.angle)[..., None], local)
 
     def deflection(self, body: str, x: Array) -> Array:
         """Deflection [m] of a beam from its frame at positions x [m] (n,), shape (nt, n)."""
         if not self.system.lowered.segmentation.is_cut(body):
             return self.along(body, x, FloatingBeam.shape)
         frame = self._frames[body]
-        seen = self.beam_points(body, x) - frame.place[0][:, None]
+        seen = self.beam_points(body, x)[0] - frame.place[0][:, None]
         return (seen * np.exp(-1j * frame.angle[0])[:, None]).imag
 
     def slope(self, body: str, x: Array) -> Array:
@@ -135,11 +128,12 @@ class Motion:
 
         return self._mean(body, x, angle)
 
-    def section_acceleration(self, body: str, x: Array) -> Array:
-        """Angular acceleration [rad/s^2] of the cross-sections of a beam at positions x [m] (n,), shape (nt, n)."""
+    def section_angle(self, body: str, x: Array, order: int) -> Array:
+        """Derivative by time [rad/s^order] of the angles of a beam's cross-sections at x [m] (n,), shape (nt, n)."""
 
         def turned(segment: str, local: Array) -> Array:
-            return self._frames[segment].angle[2][:, None] + self._rows(segment, local, FloatingBeam.slope, 2)
+            slopes = self._rows(segment, local, FloatingBeam.slope, order)
+            return self._frames[segment].angle[order][:, None] + slopes
 
         return self._mean(body, x, turned)
 

@@ -235,8 +235,8 @@ def _beam(name: str, beam: Beam) -> Named:
         "shear_force": ("N", partial(_shear_force, name, beam)),
         "axial_force": ("N", partial(_axial_force, name)),
     }
-    if beam.youngs_modulus is not None and all(piece.height is not None for piece in beam.pieces):
-        stress = partial(upper_stress, youngs_modulus=beam.youngs_modulus)
+    if (modulus := beam.stress_modulus) is not None:
+        stress = partial(upper_stress, youngs_modulus=modulus)
         along["stress"] = ("Pa", lambda run, x: run.motion.along(name, x, stress))
     for place, (x, columns) in places.items():
         for quantity, (unit, values) in along.items():
@@ -247,7 +247,7 @@ def _shear_force(name: str, beam: Beam, run: "Run", x: Array) -> Array:
     shear = run.motion.along(name, x, shear_force)
     if beam.rotary_inertia and not beam.shear and beam.mass == "consistent":
         both = [evaluate(beam.pieces, "rotary_inertia", x, side=side) for side in ("left", "right")]
-        shear -= np.mean(both, axis=0) * run.motion.section_acceleration(name, x)
+        shear -= np.mean(both, axis=0) * run.motion.section_angle(name, x, 2)
     return shear
 
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fmbd.model import Beam, Model
+from fmbd.model import Beam, Model, RigidBody
 from fmbd.model.points import CENTER_OF_MASS, GROUND, PointRef
-from fmbd.results.drawing import sketch
+from fmbd.model.visuals import Visual
+from fmbd.results.drawing import convex_hull, pieces, straight
 from fmbd.results.motion import Motion
-from fmbd.results.vtkhdf import KINDS
 
 if TYPE_CHECKING:
     from fmbd.results.run import Run
@@ -27,6 +27,14 @@ SYMBOL = 0.022
 
 
 @dataclass(frozen=True)
+class Mesh:
+    """A mesh for looks, and the outline by which it is placed, both in the frame of its body."""
+
+    visual: Visual
+    outline: Plane
+
+
+@dataclass(frozen=True)
 class Item:
     """A part of a picture: `points` are its points over time, x + iy [m], shape (nt, n).
 
@@ -35,7 +43,7 @@ class Item:
       clamp     where something is fixed to the ground; a second point along the direction of what is held
       rail      ends of the line on which something slides
       body      what a rigid body connects: the convex outline of its points, a line for two of them
-      shape     outline of a rigid body by its shape
+      shape     outline of a rigid body by its shape or its mesh
       wheel     a rigid body without extent: centre, and a point on the rim that turns with it
       beam      axis of a beam
       spring    ends
@@ -44,6 +52,7 @@ class Item:
       motor     a joint with a motor
     other: of a joint the other body
     straight: ends of the axis of a beam before it bends, shape (nt, 2): from them a deflection is exaggerated
+    mesh: of a body with a mesh for looks; its outline are the points
     """
 
     kind: str
@@ -51,6 +60,7 @@ class Item:
     points: Plane
     straight: Plane | None = None
     other: str = ""
+    mesh: Mesh | None = None
 
     def exaggerated(self, scale: float) -> "Item":
         """The item with `scale` times the deflection."""
@@ -124,39 +134,38 @@ def _extent(points: Sequence[Plane]) -> tuple[float, float, float, float]:
 
 def _parts(model: Model, motion: Motion) -> Iterator[Item]:
     """Bodies with an extent, beams and springs, as in the drawing of the archive."""
-    drawn = sketch(model)
-    for topology in ("lines", "polygons"):
-        for body, kind, place, _ in drawn.cells[topology]:
-            name = drawn.names[body]
-            if KINDS[kind] == "beam":
-                yield Item("beam", name, place(motion), _straight(model, motion, name))
-            else:
-                points = place(motion)
-                shaped = getattr(model.bodies.get(name), "shape", None) is not None and points.shape[1] > 2
-                rigid = "shape" if shaped else "body"
-                yield Item(rigid if KINDS[kind] == "rigid body" else KINDS[kind], name, points)
+    for piece in pieces(model):
+        if piece.topology == "vertices":
+            continue
+        if piece.kind == "visual":
+            yield _visual(model, motion, piece.body)
+            continue
+        points = piece.place(motion)[0]
+        if piece.kind == "beam":
+            yield Item("beam", piece.body, points, straight(model, motion, piece.body))
+        elif piece.kind == "spring":
+            yield Item("spring", piece.body, points)
+        else:
+            shaped = getattr(model.bodies[piece.body], "shape", None) is not None and points.shape[1] > 2
+            yield Item("shape" if shaped else "body", piece.body, points)
 
 
-def _straight(model: Model, motion: Motion, name: str) -> Plane:
-    """Ends of a beam's axis before it bends; through its ends if both are held, so that it stays attached."""
-    beam = model.bodies[name]
-    assert isinstance(beam, Beam)
-    held = {
-        beam.points[ref.point] for joint in model.joints.values() for ref in joint.between if ref.body == name
-    }
-    if {0.0, beam.length} <= held:
-        return motion.beam_points(name, np.array([0.0, beam.length]))
-    return motion.fixed_points(name, np.array([0.0, beam.length], complex))
+def _visual(model: Model, motion: Motion, name: str) -> Item:
+    """The outline of a mesh, and the mesh."""
+    body = model.bodies[name]
+    assert isinstance(body, RigidBody) and body.visual is not None
+    x, y, _ = np.array(body.visual.points).T
+    outline = convex_hull(x + 1j * y)
+    kind = "shape" if outline.size > 2 else "body"
+    return Item(kind, name, motion.fixed_points(name, outline)[0], mesh=Mesh(body.visual, outline))
 
 
 def _wheels(model: Model, motion: Motion, radius: float) -> Iterator[Item]:
-    drawn = sketch(model)
-    for body, kind, place, _ in drawn.cells["vertices"]:
-        name = drawn.names[body]
-        if KINDS[kind] == "rigid body":
-            centre = place(motion)
-            spoke = radius * np.exp(1j * motion.frame(name).angle[0])[:, None]
-            yield Item("wheel", name, np.concatenate([centre, centre + spoke], axis=1))
+    for piece in pieces(model):
+        if piece.kind == "mass":
+            centre = piece.place(motion)[0]
+            spoke = radius * np.exp(1j * motion.frame(piece.body).angle[0])[:, None]
+            yield Item("wheel", piece.body, np.concatenate([centre, centre + spoke], axis=1))
 
 
 def _joints(model: Model, motion: Motion, size: float) -> Iterator[Item]:

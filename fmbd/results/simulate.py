@@ -9,10 +9,9 @@ import numpy as np
 
 from fmbd.model import Model, load_model
 from fmbd.results.archive import ArchiveWriter
-from fmbd.results.drawing import Sketch, sketch
+from fmbd.results.frames import Frames
 from fmbd.results.interruption import Interruption
 from fmbd.results.layout import Value
-from fmbd.results.motion import Motion
 from fmbd.results.reader import Archive
 from fmbd.results.recording import Recording
 from fmbd.results.run import Run
@@ -37,7 +36,7 @@ def simulate(
 
     output: the archive to write, suffix `.vtkhdf`; without it the results stay in memory
     on_progress: called with the time reached [s], often
-    frames: pictures of the drawing in the archive, at most; they are taken from the output times
+    frames: pictures of the drawing in the archive, at most, taken from the output times; 0 for no drawing
 
     A run that cannot go on, or that Ctrl-C ends, has the status `stopped: reason` and what was computed until
     then. Raises ModelError, and OSError when the archive cannot be written.
@@ -51,23 +50,23 @@ def simulate(
         recording = Recording(**_columns(system))
         _compute(system, times, recording, watch, lambda block: None, on_progress)
         return Run(recording, lambda: model, lambda: system)
-    pictures = sketch(model)
+    pictures = Frames(system) if frames else None
     writer = ArchiveWriter(
         output,
         model_text=model.yaml(),
         model_files=model.files,
         attributes={"model_file": str(model.path or f"{model.name}.yaml")},
-        drawing=pictures.drawing if frames else None,
+        drawing=pictures.drawing if pictures else None,
         **_columns(system),
     )
-    at = set(_spread(times, frames))
+    at = set(_spread(times, pictures.most(frames))) if pictures else set()
     with writer:
         _compute(
             system,
             times,
             writer,
             watch,
-            lambda block: _draw(system, pictures, writer, block, at),
+            lambda block: _draw(pictures, writer, block, at),
             on_progress,
         )
     return Run(Archive(output), lambda: model, lambda: system)
@@ -95,14 +94,13 @@ def _columns(system: System) -> dict[str, list[tuple[str, str]]]:
     }
 
 
-def _draw(system: System, pictures: Sketch, writer: ArchiveWriter, block: Block, at: set[float]) -> None:
+def _draw(pictures: Frames | None, writer: ArchiveWriter, block: Block, at: set[float]) -> None:
     """Write the frames that lie in a block."""
     rows = [k for k, time in enumerate(block.time) if time in at]
-    if rows:
-        motion = Motion(
-            system, block.time[rows], block.position[rows], block.velocity[rows], block.acceleration[rows]
-        )
-        writer.write_frames(motion.time, pictures.points(motion))
+    if pictures is not None and rows:
+        results = (block.time, block.position, block.velocity, block.acceleration, block.states)
+        for frames in pictures.draw(*(values[rows] for values in results)):
+            writer.write_frames(*frames)
 
 
 def _compute(

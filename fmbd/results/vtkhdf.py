@@ -1,11 +1,12 @@
 """The `/VTKHDF` group of an archive: the drawing of a moving mechanism, as ParaView reads it.
 
 One temporal PolyData: vertices are joints, a polyline is a beam, polygons or lines are rigid bodies. How
-the points are connected is written once, only the points repeat. Format: VTKHDF 2.0 (https://docs.vtk.org,
+the points are connected, and what the cells are, is written once; only the points and their fields repeat.
+VTK reads no texts from such a file: the names of the cells are rows of characters. Format: VTKHDF 2.0 (https://docs.vtk.org,
 "VTKHDF format specification"); ParaView opens it from version 5.13 on, once it holds a frame.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,7 +18,16 @@ from fmbd.results import blocks
 
 Indices = NDArray[np.int64]
 
-KINDS = ("joint", "beam", "rigid body", "ground point", "spring")
+KINDS = ("joint", "beam", "rigid body", "ground point", "spring", "motor", "trail", "visual", "mass")
+#: Units of the fields that points may have, and the numbers of their components.
+FIELDS = {
+    "displacement": ("m", 3),
+    "velocity": ("m/s", 3),
+    "deflection": ("m", 3),
+    "force": ("N", 3),
+    "bending_moment": ("N m", 1),
+    "stress": ("Pa", 1),
+}
 
 TOPOLOGIES = ("Vertices", "Lines", "Polygons", "Strips")
 
@@ -35,6 +45,8 @@ class Drawing:
     body_id: for each cell the index of its body in `names`, shape (ncells,)
     kind: for each cell an index into KINDS, shape (ncells,)
     names: names of the bodies
+    labels: for each cell the name of the part that it shows: of a body, joint or spring
+    fields: those of FIELDS that the points have
     """
 
     points_per_frame: int
@@ -44,16 +56,18 @@ class Drawing:
     body_id: Sequence[int] | Indices
     kind: Sequence[int] | Indices
     names: Sequence[str]
+    labels: Sequence[str]
+    fields: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         ncells = len(self.vertices) + len(self.lines) + len(self.polygons)
-        for name, values in (("body_id", self.body_id), ("kind", self.kind)):
+        for name, values in (("body_id", self.body_id), ("kind", self.kind), ("labels", self.labels)):
             if len(values) != ncells:
                 raise ValueError(f"drawing: {name} has {len(values)} values for {ncells} cells")
         _check_indices("body_id", self.body_id, len(self.names))
         _check_indices("kind", self.kind, len(KINDS))
-        for cell in self.cells():
-            _check_indices("a cell", cell, self.points_per_frame)
+        if ncells:
+            _check_indices("a cell", np.concatenate(self.cells()), self.points_per_frame)
 
     def cells(self) -> list[Indices]:
         """Return the point indices of every cell, in the order of the file."""
@@ -73,14 +87,9 @@ def create_drawing(file: h5py.File, drawing: Drawing) -> None:
     group.attrs["Version"] = np.array([2, 0], np.int64)
     group.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
     group["NumberOfPoints"] = np.array([drawing.points_per_frame], np.int64)
-    points = group.create_dataset(
-        "Points",
-        shape=(0, 3),
-        maxshape=(None, 3),
-        chunks=(_chunk_points(drawing.points_per_frame), 3),
-        dtype=np.float32,
-    )
-    points.attrs["units"] = "m"
+    _create_of_points(group, "Points", drawing.points_per_frame, "m", 3)
+    for name in drawing.fields:
+        _create_of_points(group, f"PointData/{name}", drawing.points_per_frame, *FIELDS[name])
 
     nv, nl = len(drawing.vertices), len(drawing.lines)
     cells = drawing.cells()
@@ -91,29 +100,39 @@ def create_drawing(file: h5py.File, drawing: Drawing) -> None:
             f"CellData/{name}", data=np.asarray(values, np.int64), track_order=True
         )
         dataset.attrs["names"] = np.array(names, h5py.string_dtype())
+    group["CellData/name"] = _characters(drawing.labels)
 
     steps = group.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(0)
     blocks.create_growing(steps, "Values").attrs["units"] = "s"
-    for name, shape in _offsets():
+    for name, shape in _offsets(drawing.fields):
         blocks.create_growing(steps, name, shape, np.int64)
 
 
-def append_frames(file: h5py.File, times: NDArray[np.float64], points: NDArray[np.float32]) -> None:
-    """Append frames: times [s], shape (k,); points [m], shape (k, npoints, 3)."""
+def append_frames(
+    file: h5py.File,
+    times: NDArray[np.float64],
+    points: NDArray[np.float32],
+    fields: Mapping[str, NDArray[np.float32]],
+) -> None:
+    """Append frames: times [s], shape (k,); points [m], shape (k, npoints, 3), and every field of theirs."""
     group = file["VTKHDF"]
     steps = group["Steps"]
     start, count = len(steps["Values"]), len(times)
     npoints = int(group["NumberOfPoints"][0])
     if points.shape != (count, npoints, 3):
         raise ValueError(f"frames of shape {points.shape}, expected {(count, npoints, 3)}")
-    fields: dict[str, NDArray[np.generic]] = {"Points": points.reshape(-1, 3).astype(np.float32, copy=False)}
-    for name, shape in _offsets():
-        fields[f"Steps/{name}"] = np.zeros((count, *shape), np.int64)
-    fields["Steps/NumberOfParts"] = np.ones(count, np.int64)
-    fields["Steps/PointOffsets"] = npoints * np.arange(start, start + count)
+    names = _fields(group)
+    rows: dict[str, NDArray[np.generic]] = {"Points": points.reshape(-1, 3)}
+    for name in names:
+        rows[f"PointData/{name}"] = fields[name].reshape(-1, *fields[name].shape[2:])
+    for name, shape in _offsets(names):
+        rows[f"Steps/{name}"] = np.zeros((count, *shape), np.int64)
+    rows["Steps/NumberOfParts"] = np.ones(count, np.int64)
+    for name in ("PointOffsets", *(f"PointDataOffsets/{name}" for name in names)):
+        rows[f"Steps/{name}"] = npoints * np.arange(start, start + count)
     # VTK reads past its buffers when Values is longer than NSteps: each is on disk before the next.
-    blocks.append([(group[name], rows) for name, rows in fields.items()])
+    blocks.append([(group[name], values) for name, values in rows.items()])
     steps.attrs.modify("NSteps", np.int64(start + count))
     file.flush()
     blocks.append([(steps["Values"], times)])
@@ -131,6 +150,8 @@ def read_drawing(file: h5py.File) -> Drawing:
         body_id=group["CellData/body_id"][:],
         kind=group["CellData/kind"][:],
         names=tuple(group["CellData/body_id"].attrs["names"]),
+        labels=tuple(bytes(row).rstrip(b"\0").decode() for row in group["CellData/name"][:].view(np.uint8)),
+        fields=_fields(group),
     )
 
 
@@ -143,7 +164,11 @@ def read_frames(file: h5py.File) -> tuple[NDArray[np.float64], NDArray[np.float3
     return times[:count], group["Points"][: count * npoints].reshape(count, npoints, 3)
 
 
-def _offsets() -> tuple[tuple[str, tuple[int, ...]], ...]:
+def _fields(group: h5py.Group) -> tuple[str, ...]:
+    return tuple(name for name in FIELDS if f"PointData/{name}" in group)
+
+
+def _offsets(fields: Sequence[str]) -> tuple[tuple[str, tuple[int, ...]], ...]:
     """Name and row shape of the tables that say, for each step, where its data begin."""
     cells = (len(TOPOLOGIES),)
     return (
@@ -154,12 +179,29 @@ def _offsets() -> tuple[tuple[str, tuple[int, ...]], ...]:
         ("ConnectivityIdOffsets", cells),
         ("CellDataOffsets/body_id", ()),
         ("CellDataOffsets/kind", ()),
+        ("CellDataOffsets/name", ()),
+        *((f"PointDataOffsets/{name}", ()) for name in fields),
     )
 
 
-def _chunk_points(points_per_frame: int) -> int:
-    """Whole frames up to about 64 KiB a chunk, since players read frame by frame."""
-    return max(1, points_per_frame) * max(1, 2**16 // (12 * max(1, points_per_frame)))
+def _create_of_points(group: h5py.Group, name: str, points: int, unit: str, components: int) -> None:
+    """A dataset of so many points a frame, in chunks of whole frames up to about 64 KiB: players read by frame."""
+    columns = (components,) if components > 1 else ()
+    frames = max(1, 2**14 // (components * max(1, points)))
+    dataset = group.create_dataset(
+        name,
+        shape=(0, *columns),
+        maxshape=(None, *columns),
+        chunks=(max(1, points) * frames, *columns),
+        dtype=np.float32,
+    )
+    dataset.attrs["units"] = unit
+
+
+def _characters(texts: Sequence[str]) -> NDArray[np.int8]:
+    """Texts as rows of characters, filled up with zeros."""
+    encoded = np.array([text.encode() for text in texts] or [b""], "S")
+    return encoded.view(np.int8).reshape(encoded.size, -1)[: len(texts)]
 
 
 def _create_cells(group: h5py.Group, cells: Sequence[Indices]) -> None:

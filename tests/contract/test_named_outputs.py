@@ -261,13 +261,14 @@ simulation: {duration: 0.5, rtol: 1e-11, output_interval: 0.05}
 
 
 @pytest.mark.parametrize("foreshortening", [False, True])
-@pytest.mark.parametrize("segments", [1, 2])
-def test_momentum_of_what_flies_freely(segments: int, foreshortening: bool) -> None:
+@pytest.mark.parametrize(("segments", "rotary"), [(1, 0.0), (2, 0.0), (1, 0.02), (2, 0.02)])
+def test_momentum_of_what_flies_freely(segments: int, rotary: float, foreshortening: bool) -> None:
     """At the start all turn as one, as formulas say; then the boom bends, and the sums stay what they are.
 
     A boom that shortens is right to second order: it bends so little that the third power of that is nothing.
     """
-    changes = {"bodies.boom.segments": segments, "bodies.boom.foreshortening": foreshortening}
+    changes = {"segments": segments, "foreshortening": foreshortening, "rotary_inertia": rotary or False}
+    changes = {f"bodies.boom.{key}": value for key, value in changes.items()}
     run = fmbd.simulate(load_model_text(FLYING, overrides=changes))
     place, rate, e = 1 + 2j, 0.4 - 0.3j, np.exp(0.3j)
 
@@ -278,7 +279,7 @@ def test_momentum_of_what_flies_freely(segments: int, foreshortening: bool) -> N
 
     bodies = {
         "base": moments(2, 2 * (0.1 + 0.2j), 0.3 + 2 * 0.05),
-        "boom": moments(1.5 + 0.7, 1.5 / 2 + 0.7, 1.5 / 3 + 0.7 + 0.05),
+        "boom": moments(1.5 + 0.7, 1.5 / 2 + 0.7, 1.5 / 3 + 0.7 + 0.05 + rotary * 1),
     }
     for name, (p, L) in bodies.items():
         assert_allclose(run[f"{name}.momentum"][0] @ [1, 1j], p, rtol=1e-12)

@@ -84,4 +84,7 @@ def test_study_of_the_elements_of_the_five_bar(folder: Path) -> None:
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_every_script_is_listed_and_tested(script: Path) -> None:
     assert f"({script.name})" in (script.parent / "README.md").read_text()
-    assert f'"{script.name}"' in Path(__file__).read_text()
+    tests = "".join(
+        (Path(__file__).parent / f"test_{name}.py").read_text() for name in ("postprocess", "paraview")
+    )
+    assert f'"{script.name}"' in tests

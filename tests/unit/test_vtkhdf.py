@@ -25,15 +25,18 @@ DRAWING = Drawing(
     body_id=[0, 0, 0, 1],
     kind=[0, 0, 1, 2],
     names=["rod", "plate"],
+    labels=["hinge", "tip", "rod", "plate"],
+    fields=["velocity", "stress"],
 )
 TIMES = np.linspace(0.0, 0.4, 5)
 POINTS = np.random.default_rng(44).random((5, 6, 3)).astype(np.float32)
+FIELDS = {"velocity": 2 * POINTS, "stress": 1e9 * POINTS[..., 0]}
 
 
 def archive_frames(path: Path, blocks: list[slice]) -> None:
     with ArchiveWriter(path, model_text="fmbd: 1\n", coordinates=[], drawing=DRAWING) as writer:
         for part in blocks:
-            writer.write_frames(TIMES[part], POINTS[part])
+            writer.write_frames(TIMES[part], POINTS[part], {k: values[part] for k, values in FIELDS.items()})
         writer.finish("complete", {})
 
 
@@ -57,13 +60,17 @@ def test_vtk_sees_every_frame(tmp_path: Path, blocks: list[slice]) -> None:
     reader, times = vtk_reader(path)
     assert reader.GetNumberOfSteps() == 5
     np.testing.assert_array_equal(times, TIMES)
-    for time, points in zip(times, POINTS, strict=True):
+    for k, (time, points) in enumerate(zip(times, POINTS, strict=True)):
         reader.UpdateTimeStep(time)
         data = reader.GetOutput()
         np.testing.assert_array_equal(vtk_to_numpy(data.GetPoints().GetData()), points)
         assert cells_of(data) == [[0], [2], [0, 1, 2], [3, 4, 5]]
         for name, values in (("body_id", [0, 0, 0, 1]), ("kind", [0, 0, 1, 2])):
             assert vtk_to_numpy(data.GetCellData().GetArray(name)).tolist() == values
+        rows = vtk_to_numpy(data.GetCellData().GetArray("name")).astype(np.uint8)
+        assert [bytes(row).rstrip(b"\0").decode() for row in rows] == DRAWING.labels
+        for name, values in FIELDS.items():
+            np.testing.assert_array_equal(vtk_to_numpy(data.GetPointData().GetArray(name)), values[k])
 
 
 def test_the_drawing_comes_back(tmp_path: Path) -> None:
@@ -76,6 +83,8 @@ def test_the_drawing_comes_back(tmp_path: Path) -> None:
     assert archive.drawing is not None
     assert [cell.tolist() for cell in archive.drawing.cells()] == [[0], [2], [0, 1, 2], [3, 4, 5]]
     assert archive.drawing.names == ("rod", "plate")
+    assert archive.drawing.labels == ("hinge", "tip", "rod", "plate")
+    assert archive.drawing.fields == ("velocity", "stress")
     assert archive.drawing.kind.tolist() == [0, 0, 1, 2]
 
 
@@ -100,9 +109,9 @@ def test_steps_are_announced_before_their_times(tmp_path: Path, monkeypatch: pyt
         on_disk.append((points, int(steps.attrs["NSteps"]), len(steps["Values"])))
 
     with ArchiveWriter(path, model_text="", coordinates=[], drawing=DRAWING) as writer:
-        writer.write_frames(TIMES[:2], POINTS[:2])
+        writer.write_frames(TIMES[:2], POINTS[:2], {k: values[:2] for k, values in FIELDS.items()})
         monkeypatch.setattr(h5py.File, "flush", flush_and_look)
-        writer.write_frames(TIMES[2:], POINTS[2:])
+        writer.write_frames(TIMES[2:], POINTS[2:], {k: values[2:] for k, values in FIELDS.items()})
         monkeypatch.undo()
         writer.finish("complete", {})
     assert on_disk == [(5, 2, 2), (5, 5, 2), (5, 5, 5)]
@@ -119,9 +128,9 @@ def test_frames_that_were_not_completed_are_not_read(tmp_path: Path, monkeypatch
 
     writer = ArchiveWriter(path, model_text="", coordinates=[], drawing=DRAWING)
     with pytest.raises(OSError, match=f"cannot write {path}: pulled the plug"), writer:
-        writer.write_frames(TIMES[:2], POINTS[:2])
+        writer.write_frames(TIMES[:2], POINTS[:2], {k: values[:2] for k, values in FIELDS.items()})
         monkeypatch.setattr(vtkhdf.blocks, "append", append_but_times)
-        writer.write_frames(TIMES[2:], POINTS[2:])
+        writer.write_frames(TIMES[2:], POINTS[2:], {k: values[2:] for k, values in FIELDS.items()})
     times, points = read_archive(path).frames
     np.testing.assert_array_equal(times, TIMES[:2])
     np.testing.assert_array_equal(points, POINTS[:2])
@@ -143,5 +152,5 @@ def test_a_drawing_that_vtk_could_not_read_is_refused(change: dict, message: str
 def test_frames_must_have_all_points(tmp_path: Path) -> None:
     with ArchiveWriter(tmp_path / "a.vtkhdf", model_text="", coordinates=[], drawing=DRAWING) as writer:
         with pytest.raises(ValueError, match=r"frames of shape \(5, 5, 3\), expected \(5, 6, 3\)"):
-            writer.write_frames(TIMES, POINTS[:, 1:])
+            writer.write_frames(TIMES, POINTS[:, 1:], FIELDS)
         writer.finish("complete", {})

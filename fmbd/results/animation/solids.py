@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from fmbd.model import Model
 from fmbd.results.drawing import convex_hull
 from fmbd.results.plots.mechanism import coil
-from fmbd.results.scene import Item
+from fmbd.results.scene import Item, Mesh
 
 Plane = NDArray[np.complex128]
 
@@ -39,6 +39,8 @@ def solid(item: Item, points: Plane, unit: float, layer: Mapping[str, int]) -> p
     ends = sorted((layer[item.body], layer[item.other or item.body]))
     under, over = heights(ends[0], unit)[0] - 0.15 * unit, heights(ends[1], unit)[1] + 0.15 * unit
     match item.kind:
+        case "body" | "shape" if item.mesh is not None:
+            return placed(item.mesh, points, 0.5 * (low + high))
         case "body":
             return plate(around(points, 0.85 * unit), low, high)
         case "shape":
@@ -95,6 +97,15 @@ def plate(outline: Plane, low: float, high: float) -> pv.PolyData:
     corners = np.column_stack([outline.real, outline.imag, np.full(outline.size, low)])
     face = pv.PolyData(corners, faces=[outline.size, *range(outline.size)])
     return face.triangulate().extrude((0.0, 0.0, high - low), capping=True).clean()
+
+
+def placed(mesh: Mesh, outline: Plane, height: float) -> pv.PolyData:
+    """A mesh for looks, moved as its outline is."""
+    faces = [number for face in mesh.visual.faces for number in (len(face), *face)]
+    solid = pv.PolyData(np.array(mesh.visual.points), faces=faces)
+    solid.transform(moved(mesh.outline, outline), inplace=True)
+    solid.points[:, 2] += height
+    return solid
 
 
 def tube(points: Plane, height: float, radius: float) -> pv.PolyData:
