@@ -1,0 +1,240 @@
+"""Inverse dynamics: torques, currents and voltages with which the motors make a mechanism follow a motion.
+
+The shafts of the motors follow the motion by constraints, and the mechanism, beams, loops, transmissions and all, is
+integrated from its start as it is: what the constraints put on the shafts is what the motors must. As each motor acts
+where the motion is prescribed, this has one solution, which the same model, fed with these inputs, repeats.
+
+    tau       torque on a rotor, or on the joint by the gear ratio r if it has no inertia
+    i, u      tau = Km i,  u = Ra i + La i' + Ke r theta'
+
+A path of a point is led back to that: the joints move as in the rigid mechanism with its point on the path. What
+beams and transmissions give way is in the forces, and moves the point off the path: by how much is reported. To follow
+it exactly in spite of vibrations is another problem, whose solution begins before the motion does.
+Source: W. Blajer, K. Kolodziejczyk, A geometric approach to solving problems of control constraints, Multibody System
+Dynamics 11 (4), 2004, pp. 343-364; R. Seifried, Dynamics of Underactuated Multibody Systems, Springer, 2014.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fmbd.analyses.feeding import as_fed, changed, efforts, fed, idle, inputs
+from fmbd.analyses.paths import Coordinate, Guide, actuated, checked_point
+from fmbd.analyses.prescribed import Course, read_file, read_signals
+from fmbd.errors import AnalysisError, UnknownQuantity
+from fmbd.model import Model, load_model
+from fmbd.model.names import unknown
+from fmbd.model.tables import Table
+from fmbd.results.files import save_data
+from fmbd.results.run import Run
+from fmbd.results.simulate import simulate, simulate_system
+from fmbd.solvers.integrate import output_times
+from fmbd.system import assemble
+
+Array = np.ndarray
+
+#: Files that the inputs can be written to.
+KINDS = (".csv", ".h5", ".json", ".npz", ".mat")
+#: Joint values and rates at the start that are nearer than this [rad, m] to the motion's are taken for the same.
+SAME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Inverse:
+    """A prescribed motion with what the motors do in it. `inverse["motor.voltage"]` gives any quantity of a run.
+
+    Of nt output times, m motors whose motion is prescribed.
+    """
+
+    model: Model  #: the model, started where the motion does and fed with the inputs from a table
+    run: Run  #: the motion as a run of that model; its energies of work and losses are not known
+    motors: tuple[str, ...]
+    point: str | None  #: the point that was to follow a path, body.point
+    path: Array | None  #: the path [m], shape (nt, 2)
+    remarks: tuple[str, ...]  #: for the user
+
+    def __getitem__(self, name: str) -> Array:
+        """A quantity at all output times, in SI units; UnknownQuantity."""
+        return self.run[name]
+
+    @property
+    def time(self) -> Array:
+        """Output times [s], shape (nt,)."""
+        return self.run.time
+
+    @cached_property
+    def torque(self) -> Array:
+        """Torques on the rotors [N m], shape (nt, m)."""
+        return np.stack([self.run[f"{name}.torque"] for name in self.motors], axis=-1)
+
+    @property
+    def error(self) -> Array | None:
+        """How far the point is off its path [m], shape (nt,); None without a path."""
+        if self.path is None:
+            return None
+        return np.hypot(*(self.run[f"{self.point}.position"] - self.path).T)
+
+    def forward(
+        self, output: str | Path | None = None, on_progress: Callable[[float], None] | None = None
+    ) -> Run:
+        """Run the model with the inputs found; arguments as for `simulate`."""
+        return simulate(self.model, output, on_progress)
+
+    def deviation(self, run: Run) -> dict[str, float]:
+        """Largest differences of a run of the same model: of the joints of the motors [rad, m], and the point [m]."""
+        coordinates = [".".join(name) for name in actuated(self.model, list(self.motors))]
+        names = [*coordinates, *([f"{self.point}.position"] if self.point else [])]
+        n = len(run.time)
+        return {name: float(np.abs(run[name] - self.run[name][:n]).max()) for name in names}
+
+    def save(self, path: str | Path) -> None:
+        """Write the inputs over time: .csv, .h5, .json, .npz, .mat. Raises ValueError for another kind of file."""
+        save_data(path, self.data(), self.table(), KINDS)
+
+    def save_model(self, path: str | Path) -> None:
+        """Write the model that is fed with the inputs, and beside it the tables that it reads. Raises OSError."""
+        path = Path(path)
+        for name, text in self.model.files.items():
+            (path.parent / name).write_text(text, encoding="utf-8")
+        path.write_text(self.model.yaml(), encoding="utf-8")
+
+    def data(self) -> dict[str, Any]:
+        """What is written: time, motion and inputs by name."""
+        return {name: self.run[name] for name in self.names}
+
+    def table(self) -> Iterator[Sequence[str | float]]:
+        """Rows over time; the first names the columns."""
+        yield self.names
+        yield from np.stack([self.run[name] for name in self.names], axis=-1).tolist()
+
+    @property
+    def names(self) -> list[str]:
+        """Time, joint coordinates of the motors, their torques, currents and voltages, place of the point."""
+        found = ["time", *(".".join(name) for name in actuated(self.model, list(self.motors)))]
+        for name in self.motors:
+            electric = self.model.motors[name].type == "dc"
+            found += [f"{name}.{what}" for what in ("torque", *(("current", "voltage") if electric else ()))]
+        return found + [f"{self.point}.position.{axis}" for axis in ("x", "y") if self.point]
+
+
+def inverse(
+    model: Model | str | Path,
+    *,
+    joints: Mapping[str, Any] | None = None,
+    point: str | None = None,
+    path: Sequence[Any] | None = None,
+    file: str | Path | None = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> Inverse:
+    """What motors must do for a motion over the model's `simulation.duration`, by its method and tolerances.
+
+    joints: motion of the joints that motors drive, {joint: signal} [rad or m]; with an elastic transmission of the
+    motor's side of it, rotor angle by gear ratio. Signals as in the model file: number, expression in t, name, mapping.
+    Motors whose joints are not named keep their inputs.
+    point, path: a joint, for its first point, or body.point, and the signals of its x and y [m]; moved by all motors
+    file: instead of the signals a CSV file with the columns `time` [s] and x, y, or the joints
+
+    The mechanism starts where the motion does, beams straight, transmissions relaxed.
+
+    Raises ModelError for the model or a motion that jumps, UnknownQuantity for a name that is none, AnalysisError for
+    a path out of reach and a motion that cannot be computed to its end, OSError for the file.
+    """
+    if not isinstance(model, Model):
+        model = load_model(model)
+    if not model.motors:
+        raise AnalysisError("the model has no motors")
+    end = model.simulation.duration
+    if (point is None) == (joints is None and (file is None or path is not None)):
+        raise ValueError("give joints, or a point with its path, or a file")
+    if point is None:
+        given = read_signals(model, joints) if joints is not None else read_file(model, str(file))
+        motors = _motors_of(model, given)
+        return _followed(_started(model, Course(given, end)), motors, given, on_progress)
+    line = read_file(model, file, ("x", "y")) if file else read_signals(model, dict(zip("xy", path or (), strict=True)))
+    places, moved = _on_path(model, checked_point(model, point), Course(line, end))
+    found = _followed(_started(model, Course(moved, end)), list(model.motors), moved, on_progress)
+    return replace(found, point=_as_point(model, point), path=places)
+
+
+def _on_path(model: Model, point: str, course: Course) -> tuple[Array, dict[str, Any]]:
+    """The path at the output times (nt, 2), and how the joints move with the point on it."""
+    simulation = model.simulation
+    times = output_times(simulation.duration, simulation.output_interval)
+    system = assemble(model, points=[point])
+    joints = actuated(model, list(model.motors))
+    guide = Guide(system, joints, point)
+    path = course.at(times)[..., 0]
+    qs = guide.follow(times, path)
+    values = np.array([guide.values(q, t) for q, t in zip(qs, times, strict=True)])
+    knots = tuple(times.tolist())
+    tables = {
+        joint: Table(knots, tuple(column.tolist()), "cubic") for (joint, _), column in zip(joints, values.T, strict=True)
+    }
+    return path, tables
+
+
+def _started(model: Model, course: Course) -> Model:
+    """The model with a start from which its joints can move as they should; itself if its own start is one."""
+    system = assemble(model)
+    joints = [name for name in actuated(model, list(model.motors)) if name[0] in course.signals]
+    order = [list(course.signals).index(joint) for joint, _ in joints]
+    values, rates, _ = course.at(np.zeros(1))[0, order].T
+    guide = Guide(system, joints)
+    seen = guide.mechanism.coordinates(system.start.q, joints)
+    own = [(value, row[:-1] @ system.start.v + row[-1]) for value, row in seen]
+    if np.allclose(own, np.stack([values, rates], axis=-1), rtol=0.0, atol=SAME):
+        return model
+    q = guide.begin_joints(values)
+    free = guide.all_joints(q)
+    given = dict(zip(joints, values.tolist(), strict=True))
+    initial = {
+        "joints": _by_joint(given),
+        "hints": _by_joint({name: value for name, value in free.items() if name not in given}),
+        "rates": model.initial.rates | _by_joint(dict(zip(joints, rates.tolist(), strict=True))),
+    }
+    return changed(model, {"initial": initial})
+
+
+def _by_joint(values: Mapping[Coordinate, float]) -> dict[str, dict[str, float]]:
+    found: dict[str, dict[str, float]] = {}
+    for (joint, direction), value in values.items():
+        found.setdefault(joint, {})[direction] = value
+    return found
+
+
+def _followed(
+    model: Model, motors: list[str], joints: Mapping[str, Any], on_progress: Callable[[float], None] | None
+) -> Inverse:
+    """The motion, and the model fed with what its motors need for it."""
+    shafts = {name: joints[model.motors[name].joint] for name in motors}
+    run = simulate_system(assemble(idle(model, motors), shafts), on_progress)
+    if run.status != "complete":
+        raise AnalysisError(f"the motion cannot be computed to its end: {run.status}")
+    torques, currents = efforts(run, motors)
+    given = inputs(run, torques, currents)
+    driven = fed(model, given, run.time, f"{model.name}.inputs.csv")
+    return Inverse(driven, as_fed(run, driven, currents), tuple(motors), None, None, tuple(_remarks(model, currents)))
+
+
+def _remarks(model: Model, currents: Mapping[str, Array]) -> Iterator[str]:
+    for name, current in currents.items():
+        if model.motors[name].inductance and abs(current[0]) > 1e-6 * np.abs(current).max():
+            yield f"{name} should start with {current[0]:.4g} A; a run starts without current"
+
+
+def _motors_of(model: Model, joints: Mapping[str, Any]) -> list[str]:
+    """The motors of the joints; raises UnknownQuantity for a joint without one."""
+    by_joint = {motor.joint: name for name, motor in model.motors.items()}
+    for name in joints:
+        if name not in by_joint:
+            raise UnknownQuantity(unknown("joint with a motor", name, by_joint))
+    return [name for name, motor in model.motors.items() if motor.joint in joints]
+
+
+def _as_point(model: Model, name: str) -> str:
+    """body.point of a point, or of the first point of a joint."""
+    return str(model.joints[name].between[0]) if name in model.joints else name
