@@ -29,11 +29,12 @@ from fmbd.errors import AnalysisError, UnknownQuantity
 from fmbd.model import Model, load_model
 from fmbd.model.names import unknown
 from fmbd.model.tables import Table
+from fmbd.planar.equations import close_at_start
 from fmbd.results.files import save_data
 from fmbd.results.run import Run
 from fmbd.results.simulate import simulate, simulate_system
 from fmbd.solvers.integrate import output_times
-from fmbd.system import assemble
+from fmbd.system import System, assemble
 
 Array = np.ndarray
 
@@ -41,6 +42,8 @@ Array = np.ndarray
 KINDS = (".csv", ".h5", ".json", ".npz", ".mat")
 #: Joint values and rates at the start that are nearer than this [rad, m] to the motion's are taken for the same.
 SAME = 1e-6
+#: Knots of the joints' motion between two output times.
+FINER = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,11 +173,18 @@ def _on_path(model: Model, point: str, course: Course) -> tuple[Array, dict[str,
     path = course.at(times)[..., 0]
     qs = guide.follow(times, path)
     values = np.array([guide.values(q, t) for q, t in zip(qs, times, strict=True)])
-    knots = tuple(times.tolist())
-    tables = {
-        joint: Table(knots, tuple(column.tolist()), "cubic") for (joint, _), column in zip(joints, values.T, strict=True)
-    }
-    return path, tables
+    return path, {joint: _table(times, column) for (joint, _), column in zip(joints, values.T, strict=True)}
+
+
+def _table(times: Array, values: Array) -> Table:
+    """A smooth function by its values; between them by order 8, as accelerations of cubic pieces are off at knots."""
+    from scipy.interpolate import make_interp_spline
+
+    smooth = make_interp_spline(times, values, k=min(7, times.size - 1))
+    k = np.arange(FINER * (times.size - 1) + 1)
+    knots = np.interp(k / FINER, np.arange(times.size), times)
+    first, last = smooth(times[[0, -1]], 1).tolist()
+    return Table(tuple(knots.tolist()), tuple(smooth(knots).tolist()), "cubic", (first, last))
 
 
 def _started(model: Model, course: Course) -> Model:
@@ -211,13 +221,22 @@ def _followed(
 ) -> Inverse:
     """The motion, and the model fed with what its motors need for it."""
     shafts = {name: joints[model.motors[name].joint] for name in motors}
-    run = simulate_system(assemble(idle(model, motors), shafts), on_progress)
+    run = simulate_system(_closed(assemble(idle(model, motors), shafts)), on_progress)
     if run.status != "complete":
         raise AnalysisError(f"the motion cannot be computed to its end: {run.status}")
     torques, currents = efforts(run, motors)
     given = inputs(run, torques, currents)
     driven = fed(model, given, run.time, f"{model.name}.inputs.csv")
     return Inverse(driven, as_fed(run, driven, currents), tuple(motors), None, None, tuple(_remarks(model, currents)))
+
+
+def _closed(system: System) -> System:
+    """With a start that agrees with the motion to round-off, not only nearly."""
+    start, nq = system.start, system.planar.nq
+    y = np.concatenate([system.to_modal(start.q), system.to_modal(start.v), start.z, [0.0, 0.0]])
+    close_at_start(system.planar, system.work, y, np.zeros(nq), 1e-12)
+    q, v = system.to_nodal(y[:nq]), system.to_nodal(y[nq : 2 * nq])
+    return replace(system, start=replace(start, q=q, v=v))
 
 
 def _remarks(model: Model, currents: Mapping[str, Array]) -> Iterator[str]:
