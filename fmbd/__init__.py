@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fmbd.analyses.inverse import Inverse, inverse
     from fmbd.analyses.state_space import StateSpace, linearize
     from fmbd.analyses.statics import Equilibrium, equilibrium
     from fmbd.analyses.vibrations import Modes, modes
@@ -34,6 +35,7 @@ __all__ = [
     "AnalysisError",
     "ArchiveError",
     "Equilibrium",
+    "Inverse",
     "Model",
     "ModelError",
     "Modes",
@@ -47,6 +49,7 @@ __all__ = [
     "assemble",
     "equilibrium",
     "figures",
+    "inverse",
     "json_schema",
     "linearize",
     "load_model",
@@ -62,6 +65,7 @@ _HOMES = {
     "AnalysisError": "fmbd.errors",
     "ArchiveError": "fmbd.results.archive",
     "Equilibrium": "fmbd.analyses.statics",
+    "Inverse": "fmbd.analyses.inverse",
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
     "Modes": "fmbd.analyses.vibrations",
@@ -74,6 +78,7 @@ _HOMES = {
     "assemble": "fmbd.system",
     "equilibrium": "fmbd.analyses.statics",
     "figures": "fmbd.results.plots.plot",
+    "inverse": "fmbd.analyses.inverse",
     "json_schema": "fmbd.model.schema",
     "linearize": "fmbd.analyses.state_space",
     "load_model": "fmbd.model",

@@ -1,4 +1,4 @@
-"""Motors fed with what they need for a motion: the inputs from the constraints of their shafts, and models with them."""
+"""Motors fed with what they need for a motion: inputs from the constraints of their shafts, and models with them."""
 
 import io
 from collections.abc import Mapping
@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fmbd.model import ControllerRef, Model, load_model_text
+from fmbd.model.motors import DCMotor
 from fmbd.results.layout import ENERGIES
 from fmbd.results.recording import Recording
 from fmbd.results.run import Run
@@ -27,7 +28,7 @@ def idle(model: Model, motors: list[str]) -> Model:
 def fed(model: Model, inputs: Mapping[str, Array], times: Array, file: str) -> Model:
     """The model with inputs (nt,) of motors by name at times [s], read from a table of this name."""
     text = io.StringIO()
-    columns = {name: _input(model, name).removeprefix("motors.") for name in inputs}
+    columns = {name: input_path(model, name).removeprefix("motors.") for name in inputs}
     text.write(",".join(["time", *columns.values()]) + "\n")
     for row in np.stack([times, *inputs.values()], axis=-1).tolist():
         text.write(",".join(map(repr, row)) + "\n")
@@ -61,7 +62,8 @@ def inputs(run: Run, torques: Mapping[str, Array], currents: Mapping[str, Array]
     found = dict(torques)
     for name, current in currents.items():
         motor = run.model.motors[name]
-        found[name] = motor.resistance * current + motor.back_emf * _rotor_rate(run, name)
+        assert isinstance(motor, DCMotor)
+        found[name] = motor.resistance * current + motor.back_emf * rotor_rate(run, name)
         if motor.inductance:
             from scipy.interpolate import CubicSpline
 
@@ -94,7 +96,8 @@ def as_fed(run: Run, model: Model, currents: Mapping[str, Array]) -> Run:
     return Run(recording, lambda: model, lambda: system)
 
 
-def _rotor_rate(run: Run, name: str) -> Array:
+def rotor_rate(run: Run, name: str) -> Array:
+    """Rate of a rotor, or of the joint by the gear ratio [rad/s], shape (nt,)."""
     motor = run.model.motors[name]
     if has_rotor(motor):
         return run[f"{name}.rotor.rate"]
@@ -106,12 +109,12 @@ def _with_inputs(model: Model, given: Mapping[str, Any], files: Mapping[str, str
     others = [motor.input for name, motor in model.motors.items() if name not in given]
     used = {law.name for law in others if isinstance(law, ControllerRef)}
     laws = model.document.data.get("controllers") or {}
-    changes = {_input(model, name): value for name, value in given.items()}
+    changes = {input_path(model, name): value for name, value in given.items()}
     if not used.issuperset(laws):
         changes["controllers"] = {name: law for name, law in laws.items() if name in used}
     return changed(model, changes, files)
 
 
-def _input(model: Model, name: str) -> str:
-    """The path of a motor's input."""
+def input_path(model: Model, name: str) -> str:
+    """The path of a motor's input in the model."""
     return f"motors.{name}.{'voltage' if model.motors[name].type == 'dc' else 'torque'}"

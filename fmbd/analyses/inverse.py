@@ -22,28 +22,25 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.analyses.feeding import as_fed, changed, efforts, fed, idle, inputs
-from fmbd.analyses.paths import Coordinate, Guide, actuated, checked_point
+from fmbd.analyses.feeding import as_fed, efforts, fed, idle, input_path, inputs, rotor_rate
+from fmbd.analyses.guide import actuated, as_point, checked_point
+from fmbd.analyses.paths import on_path, started
 from fmbd.analyses.prescribed import Course, read_file, read_signals
 from fmbd.errors import AnalysisError, UnknownQuantity
 from fmbd.model import Model, load_model
 from fmbd.model.names import unknown
-from fmbd.model.tables import Table
 from fmbd.planar.equations import close_at_start
 from fmbd.results.files import save_data
 from fmbd.results.run import Run
 from fmbd.results.simulate import simulate, simulate_system
-from fmbd.solvers.integrate import output_times
 from fmbd.system import System, assemble
 
 Array = np.ndarray
 
 #: Files that the inputs can be written to.
 KINDS = (".csv", ".h5", ".json", ".npz", ".mat")
-#: Joint values and rates at the start that are nearer than this [rad, m] to the motion's are taken for the same.
-SAME = 1e-6
-#: Knots of the joints' motion between two output times.
-FINER = 10
+#: The table of inputs in the model.
+TABLE = "inputs.csv"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +71,16 @@ class Inverse:
         """Torques on the rotors [N m], shape (nt, m)."""
         return np.stack([self.run[f"{name}.torque"] for name in self.motors], axis=-1)
 
+    @cached_property
+    def power(self) -> Array:
+        """Mechanical power of the motors [W], shape (nt, m)."""
+        return self.torque * np.stack([rotor_rate(self.run, name) for name in self.motors], axis=-1)
+
+    @property
+    def inputs(self) -> dict[str, Array]:
+        """Voltages [V] of DC motors, torques [N m] of the others, by motor, shape (nt,)."""
+        return {name: self.run[input_path(self.model, name).removeprefix("motors.")] for name in self.motors}
+
     @property
     def error(self) -> Array | None:
         """How far the point is off its path [m], shape (nt,); None without a path."""
@@ -101,9 +108,13 @@ class Inverse:
     def save_model(self, path: str | Path) -> None:
         """Write the model that is fed with the inputs, and beside it the tables that it reads. Raises OSError."""
         path = Path(path)
-        for name, text in self.model.files.items():
-            (path.parent / name).write_text(text, encoding="utf-8")
-        path.write_text(self.model.yaml(), encoding="utf-8")
+        model = fed(self.model, self.inputs, self.time, f"{path.stem}.inputs.csv")
+        for name, text in model.files.items():
+            if name != TABLE:
+                table = path.parent / name
+                table.parent.mkdir(parents=True, exist_ok=True)
+                table.write_text(text, encoding="utf-8")
+        path.write_text(model.yaml(), encoding="utf-8")
 
     def data(self) -> dict[str, Any]:
         """What is written: time, motion and inputs by name."""
@@ -151,69 +162,20 @@ def inverse(
     if not model.motors:
         raise AnalysisError("the model has no motors")
     end = model.simulation.duration
-    if (point is None) == (joints is None and (file is None or path is not None)):
-        raise ValueError("give joints, or a point with its path, or a file")
+    if [joints, path, file].count(None) != 2 or (joints if point else path) is not None:
+        raise ValueError("give joints, or a point with a path or a file, or a file")
     if point is None:
-        given = read_signals(model, joints) if joints is not None else read_file(model, str(file))
+        given = read_file(model, file) if file else read_signals(model, joints or {})
         motors = _motors_of(model, given)
-        return _followed(_started(model, Course(given, end)), motors, given, on_progress)
-    line = read_file(model, file, ("x", "y")) if file else read_signals(model, dict(zip("xy", path or (), strict=True)))
-    places, moved = _on_path(model, checked_point(model, point), Course(line, end))
-    found = _followed(_started(model, Course(moved, end)), list(model.motors), moved, on_progress)
-    return replace(found, point=_as_point(model, point), path=places)
-
-
-def _on_path(model: Model, point: str, course: Course) -> tuple[Array, dict[str, Any]]:
-    """The path at the output times (nt, 2), and how the joints move with the point on it."""
-    simulation = model.simulation
-    times = output_times(simulation.duration, simulation.output_interval)
-    system = assemble(model, points=[point])
-    joints = actuated(model, list(model.motors))
-    guide = Guide(system, joints, point)
-    path = course.at(times)[..., 0]
-    qs = guide.follow(times, path)
-    values = np.array([guide.values(q, t) for q, t in zip(qs, times, strict=True)])
-    return path, {joint: _table(times, column) for (joint, _), column in zip(joints, values.T, strict=True)}
-
-
-def _table(times: Array, values: Array) -> Table:
-    """A smooth function by its values; between them by order 8, as accelerations of cubic pieces are off at knots."""
-    from scipy.interpolate import make_interp_spline
-
-    smooth = make_interp_spline(times, values, k=min(7, times.size - 1))
-    k = np.arange(FINER * (times.size - 1) + 1)
-    knots = np.interp(k / FINER, np.arange(times.size), times)
-    first, last = smooth(times[[0, -1]], 1).tolist()
-    return Table(tuple(knots.tolist()), tuple(smooth(knots).tolist()), "cubic", (first, last))
-
-
-def _started(model: Model, course: Course) -> Model:
-    """The model with a start from which its joints can move as they should; itself if its own start is one."""
-    system = assemble(model)
-    joints = [name for name in actuated(model, list(model.motors)) if name[0] in course.signals]
-    order = [list(course.signals).index(joint) for joint, _ in joints]
-    values, rates, _ = course.at(np.zeros(1))[0, order].T
-    guide = Guide(system, joints)
-    seen = guide.mechanism.coordinates(system.start.q, joints)
-    own = [(value, row[:-1] @ system.start.v + row[-1]) for value, row in seen]
-    if np.allclose(own, np.stack([values, rates], axis=-1), rtol=0.0, atol=SAME):
-        return model
-    q = guide.begin_joints(values)
-    free = guide.all_joints(q)
-    given = dict(zip(joints, values.tolist(), strict=True))
-    initial = {
-        "joints": _by_joint(given),
-        "hints": _by_joint({name: value for name, value in free.items() if name not in given}),
-        "rates": model.initial.rates | _by_joint(dict(zip(joints, rates.tolist(), strict=True))),
-    }
-    return changed(model, {"initial": initial})
-
-
-def _by_joint(values: Mapping[Coordinate, float]) -> dict[str, dict[str, float]]:
-    found: dict[str, dict[str, float]] = {}
-    for (joint, direction), value in values.items():
-        found.setdefault(joint, {})[direction] = value
-    return found
+        return _followed(started(model, Course(given, end)), motors, given, on_progress)
+    line = (
+        read_file(model, file, ("x", "y"))
+        if file
+        else read_signals(model, dict(zip("xy", path or (), strict=True)))
+    )
+    places, moved = on_path(model, checked_point(model, point), Course(line, end))
+    found = _followed(started(model, Course(moved, end)), list(model.motors), moved, on_progress)
+    return replace(found, point=as_point(model, point), path=places)
 
 
 def _followed(
@@ -225,9 +187,10 @@ def _followed(
     if run.status != "complete":
         raise AnalysisError(f"the motion cannot be computed to its end: {run.status}")
     torques, currents = efforts(run, motors)
-    given = inputs(run, torques, currents)
-    driven = fed(model, given, run.time, f"{model.name}.inputs.csv")
-    return Inverse(driven, as_fed(run, driven, currents), tuple(motors), None, None, tuple(_remarks(model, currents)))
+    driven = fed(model, inputs(run, torques, currents), run.time, TABLE)
+    motion = as_fed(run, driven, currents)
+    remarks = (*run.system.start.remarks, *_remarks(motion.source.state_names, currents))
+    return Inverse(driven, motion, tuple(motors), None, None, remarks)
 
 
 def _closed(system: System) -> System:
@@ -239,9 +202,9 @@ def _closed(system: System) -> System:
     return replace(system, start=replace(start, q=q, v=v))
 
 
-def _remarks(model: Model, currents: Mapping[str, Array]) -> Iterator[str]:
+def _remarks(states: Sequence[str], currents: Mapping[str, Array]) -> Iterator[str]:
     for name, current in currents.items():
-        if model.motors[name].inductance and abs(current[0]) > 1e-6 * np.abs(current).max():
+        if f"{name}.current" in states and abs(current[0]) > 1e-6 * np.abs(current).max():
             yield f"{name} should start with {current[0]:.4g} A; a run starts without current"
 
 
@@ -252,8 +215,3 @@ def _motors_of(model: Model, joints: Mapping[str, Any]) -> list[str]:
         if name not in by_joint:
             raise UnknownQuantity(unknown("joint with a motor", name, by_joint))
     return [name for name, motor in model.motors.items() if motor.joint in joints]
-
-
-def _as_point(model: Model, name: str) -> str:
-    """body.point of a point, or of the first point of a joint."""
-    return str(model.joints[name].between[0]) if name in model.joints else name

@@ -38,9 +38,7 @@ def check_drives(lowered: Lowered, reference: Any) -> None:
                 )
 
 
-def jump_of(
-    signal: Any, table: SignalTable, evaluate: Callable[[int, float], np.ndarray], end: float
-) -> str:
+def jump_of(signal: Any, table: SignalTable, evaluate: Callable[[int, float], np.ndarray], end: float) -> str:
     """What in a signal of a table, or in its rate, jumps before the end [s]; empty if nothing does.
 
     The jumps of an expression are not looked for: functions that have them are refused.
@@ -58,9 +56,7 @@ def _function_that_jumps(signal: Any) -> str:
     return ""
 
 
-def _jump(
-    signal: Any, table: SignalTable, evaluate: Callable[[int, float], np.ndarray], end: float
-) -> str:
+def _jump(signal: Any, table: SignalTable, evaluate: Callable[[int, float], np.ndarray], end: float) -> str:
     """The first jump of a signal at one of its breakpoints; empty if there is none."""
     index = table.find(signal)
     for t, before in table.edges(signal, end):

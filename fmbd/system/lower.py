@@ -28,7 +28,9 @@ MAX_ELEMENTS = 1000
 MAX_OUTPUTS = 10_000_000
 
 
-def lower(model: Model, shafts: Mapping[str, Any] = MappingProxyType({}), points: Iterable[str] = ()) -> Lowered:
+def lower(
+    model: Model, shafts: Mapping[str, Any] = MappingProxyType({}), points: Iterable[str] = ()
+) -> Lowered:
     """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground, or too large a job.
 
     shafts: motors whose motion is prescribed by a constraint `motor.shaft`, each with a signal: the rotor's angle
