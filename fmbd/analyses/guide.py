@@ -111,8 +111,7 @@ class Guide:
         qs = [self.begin(path[0])]
         before = self.control(qs[0], times[0])
         for k in range(1, times.size):
-            ahead = 2.0 * qs[-1] - qs[-2] if k > 1 else qs[-1]
-            qs.append(self.at_point(ahead, path[k], float(times[k])))
+            qs.append(self.at_point(_ahead(qs[-4:]), path[k], float(times[k])))
             now = self.control(qs[-1], times[k])
             if now * before <= 0.0:
                 raise AnalysisError(
@@ -149,6 +148,12 @@ class Guide:
         held: Mapping[Coordinate, float] = dict.fromkeys(self.joints, 0.0)
         jacobian = self.mechanism.equations(q, held, self._origin, t)[1]
         return jacobian[:, self.mechanism.unknowns]
+
+
+def _ahead(qs: list[Array]) -> Array:
+    """The next of up to four, by the polynomial through them."""
+    weights = {1: [1], 2: [-1, 2], 3: [1, -3, 3], 4: [-1, 4, -6, 4]}[len(qs)]
+    return np.tensordot(weights, qs, 1)
 
 
 def _staged(solve: Callable[[Array, Array, float], Array], q: Array, first: Array, last: Array) -> Array:

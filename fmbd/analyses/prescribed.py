@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from fmbd.errors import ModelError
 from fmbd.model import Model, load_model_text
 from fmbd.model.document import parse
+from fmbd.model.tables import Table
 from fmbd.planar.signals import evaluate_signals
 from fmbd.system.drives import SMOOTHLY, jump_of
 from fmbd.system.signals import SignalTable
@@ -75,7 +77,21 @@ def read_file(model: Model, path: str | Path, names: tuple[str, ...] = ()) -> di
     entry = {"type": "table", "file": str(path), "time": "time", "interpolation": "cubic"}
     wanted_columns = names or tuple(name for name in header if name != "time")
     entries = {name: entry | {"value": name} for name in wanted_columns}
-    return _as_signals(model, entries, {**model.files, str(path): text})
+    tables = _as_signals(model, entries, {**model.files, str(path): text})
+    end = model.simulation.duration
+    return {
+        name: _beyond(table) if abs(table.times[-1] - end) < 1e-9 * end else table
+        for name, table in tables.items()
+    }
+
+
+def _beyond(table: Table) -> Table:
+    """The same function for one interval more: where a table ends it has no rate."""
+    from scipy.interpolate import CubicSpline
+
+    time = 2.0 * table.times[-1] - table.times[-2]
+    value = float(CubicSpline(table.times, table.values)(time))
+    return replace(table, times=(*table.times, time), values=(*table.values, value))
 
 
 def _as_signals(model: Model, entries: Mapping[str, Any], files: Mapping[str, str]) -> dict[str, Any]:

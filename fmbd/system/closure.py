@@ -49,8 +49,10 @@ class RigidMechanism:
         t: float = 0.0,
     ) -> tuple[Array, Array]:
         """Residual (m,) and Jacobian (m, nq) of constraints, held joint coordinates and places."""
-        position, angle, jacobian = self.reference.stations(q, t)
-        values, gradients = self.reference.pathways(q, t)
+        _, stations = self.reference.frames(q, t)
+        position, angle, jacobian = stations[:, :2, 0], stations[:, 2, 0], stations[..., 1:]
+        lengths = self.reference.lengths(stations)
+        values, gradients = lengths[:, 0], lengths[:, 1:]
         residual: list[float] = []
         rows: list[Array] = []
         planar = self.lowered.planar
