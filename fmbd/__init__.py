@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fmbd.analyses.inverse import Inverse, inverse
+    from fmbd.analyses.kinematics import Kinematics, kinematics
     from fmbd.analyses.state_space import StateSpace, linearize
     from fmbd.analyses.statics import Equilibrium, equilibrium
     from fmbd.analyses.vibrations import Modes, modes
@@ -36,6 +37,7 @@ __all__ = [
     "ArchiveError",
     "Equilibrium",
     "Inverse",
+    "Kinematics",
     "Model",
     "ModelError",
     "Modes",
@@ -51,6 +53,7 @@ __all__ = [
     "figures",
     "inverse",
     "json_schema",
+    "kinematics",
     "linearize",
     "load_model",
     "modes",
@@ -66,6 +69,7 @@ _HOMES = {
     "ArchiveError": "fmbd.results.archive",
     "Equilibrium": "fmbd.analyses.statics",
     "Inverse": "fmbd.analyses.inverse",
+    "Kinematics": "fmbd.analyses.kinematics",
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
     "Modes": "fmbd.analyses.vibrations",
@@ -80,6 +84,7 @@ _HOMES = {
     "figures": "fmbd.results.plots.plot",
     "inverse": "fmbd.analyses.inverse",
     "json_schema": "fmbd.model.schema",
+    "kinematics": "fmbd.analyses.kinematics",
     "linearize": "fmbd.analyses.state_space",
     "load_model": "fmbd.model",
     "modes": "fmbd.analyses.vibrations",

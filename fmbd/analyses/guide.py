@@ -107,19 +107,24 @@ class Guide:
         return _staged(self.at_joints, self.start, self.values(self.start, 0.0), values)
 
     def follow(self, times: Array, path: Array) -> Array:
-        """q (nt, nq) with the point on a path (nt, 2). AnalysisError: out of reach, or not held by the motors."""
-        qs = [self.begin(path[0])]
-        before = self.control(qs[0], times[0])
-        for k in range(1, times.size):
-            qs.append(self.at_point(_ahead(qs[-4:]), path[k], float(times[k])))
-            now = self.control(qs[-1], times[k])
-            if now * before <= 0.0:
-                raise AnalysisError(
-                    f"on its way {self.point} passes a position at t = {times[k]:.6g} s where the motors do not "
-                    "hold the mechanism (fmbd kinematics looks for such singular positions)"
-                )
-            before = now
-        return np.array(qs)
+        """q (nt, nq) with the point on a path (nt, 2), held by the motors; AnalysisError if it cannot, or is not."""
+        qs = self.follow_path(times, path)
+        control = np.array([self.control(q, float(t)) for q, t in zip(qs, times, strict=True)])
+        lost = np.flatnonzero(control[:-1] * control[1:] <= 0.0)
+        if lost.size:
+            raise AnalysisError(
+                f"on its way {self.point} passes a position at t = {times[lost[0] + 1]:.6g} s where the motors do "
+                "not hold the mechanism (fmbd kinematics looks for such singular positions)"
+            )
+        return qs
+
+    def follow_path(self, times: Array, path: Array) -> Array:
+        """q (nt, nq) with the point on a path (nt, 2); AnalysisError where that is out of reach."""
+        return _followed(self.at_point, self.begin(path[0]), times, path)
+
+    def follow_joints(self, times: Array, values: Array) -> Array:
+        """q (nt, nq) with the motors' joints at values (nt, joints); AnalysisError where that is not possible."""
+        return _followed(self.at_joints, self.begin_joints(values[0]), times, values)
 
     def control(self, q: Array, t: float) -> float:
         """det [Phi_x; A], zero where the motors do not hold the mechanism; with motors to spare a measure above 0.
@@ -139,6 +144,10 @@ class Guide:
             )
         return float(size[-1])
 
+    def miss(self, q: Array, t: float) -> Array:
+        """By how much independent loops are open at q [m or rad]."""
+        return self.mechanism.equations(q, {}, {}, t)[0][self._kept]
+
     def all_joints(self, q: Array) -> dict[Coordinate, float]:
         """All joint coordinates that are not driven, at the start of time."""
         return self.mechanism.joint_coordinates(q)
@@ -148,6 +157,13 @@ class Guide:
         held: Mapping[Coordinate, float] = dict.fromkeys(self.joints, 0.0)
         jacobian = self.mechanism.equations(q, held, self._origin, t)[1]
         return jacobian[:, self.mechanism.unknowns]
+
+
+def _followed(solve: Callable[[Array, Array, float], Array], q: Array, times: Array, wanted: Array) -> Array:
+    qs = [q]
+    for t, values in zip(times[1:], wanted[1:], strict=True):
+        qs.append(solve(_ahead(qs[-4:]), values, float(t)))
+    return np.array(qs)
 
 
 def _ahead(qs: list[Array]) -> Array:
