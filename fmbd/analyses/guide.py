@@ -137,10 +137,10 @@ class Guide:
             return float(np.linalg.det(stacked))
         size = np.linalg.svd(stacked, compute_uv=False)
         if len(stacked) < stacked.shape[1]:
-            free = stacked.shape[1] - len(loops)
+            free, n = stacked.shape[1] - len(loops), len(self.joints)
+            driven = f"{n} joint{'s' if n != 1 else ''} with {'motors' if n != 1 else 'a motor'}"
             raise AnalysisError(
-                f"the mechanism has {free} degrees of freedom, and {len(self.joints)} joints with motors: "
-                f"they do not settle where {self.point} is"
+                f"the mechanism has {free} degrees of freedom, and {driven}, which do not settle where {self.point} is"
             )
         return float(size[-1])
 

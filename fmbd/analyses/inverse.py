@@ -8,8 +8,9 @@ where the motion is prescribed, this has one solution, which the same model, fed
     i, u      tau = Km i,  u = Ra i + La i' + Ke r theta'
 
 A path of a point is led back to that: the joints move as in the rigid mechanism with its point on the path. What
-beams and transmissions give way is in the forces, and moves the point off the path: by how much is reported. To follow
-it exactly in spite of vibrations is another problem, whose solution begins before the motion does.
+beams and transmissions give way is in the forces, and moves the point off the path: by how much is reported. What of
+it is static can be compensated. To follow it exactly in spite of vibrations is another problem, whose solution begins
+before the motion does.
 Source: W. Blajer, K. Kolodziejczyk, A geometric approach to solving problems of control constraints, Multibody System
 Dynamics 11 (4), 2004, pp. 343-364; R. Seifried, Dynamics of Underactuated Multibody Systems, Springer, 2014.
 """
@@ -142,6 +143,7 @@ def inverse(
     point: str | None = None,
     path: Sequence[Any] | None = None,
     file: str | Path | None = None,
+    compensate: float | None = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Inverse:
     """What motors must do for a motion over the model's `simulation.duration`, by its method and tolerances.
@@ -151,6 +153,8 @@ def inverse(
     Motors whose joints are not named keep their inputs.
     point, path: a joint, for its first point, or body.point, and the signals of its x and y [m]; moved by all motors
     file: instead of the signals a CSV file with the columns `time` [s] and x, y, or the joints
+    compensate: time [s] from the start over which a path takes up the deflection that the mechanism has at rest in its
+    place, under gravity; left out, it does not
 
     The mechanism starts where the motion does, beams straight, transmissions relaxed.
 
@@ -173,7 +177,7 @@ def inverse(
         if file
         else read_signals(model, dict(zip("xy", path or (), strict=True)))
     )
-    places, moved = on_path(model, checked_point(model, point), Course(line, end))
+    places, moved = on_path(model, checked_point(model, point), Course(line, end), compensate)
     found = _followed(started(model, Course(moved, end)), list(model.motors), moved, on_progress)
     return replace(found, point=as_point(model, point), path=places)
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fmbd.analyses.deflection import compensated
 from fmbd.analyses.feeding import changed
 from fmbd.analyses.guide import Coordinate, Guide, actuated
 from fmbd.analyses.prescribed import Course
@@ -23,15 +24,23 @@ FINER = 2
 RIGHT = 0.5 - 0.5 / 3.0**0.5
 
 
-def on_path(model: Model, point: str, course: Course) -> tuple[Array, dict[str, Any]]:
-    """The path at the output times (nt, 2), and how the joints move with the point on it."""
+def on_path(
+    model: Model, point: str, course: Course, compensate: float | None = None
+) -> tuple[Array, dict[str, Any]]:
+    """The path at the output times (nt, 2), and how the joints move with the point on it.
+
+    compensate: time [s] over which the static deflection is taken up, if it is
+    """
     simulation = model.simulation
     times = output_times(simulation.duration, simulation.output_interval)
     system = assemble(model, points=[point])
     joints = actuated(model, list(model.motors))
     guide = Guide(system, joints, point)
     path = course.at(times)[..., 0]
-    qs = guide.follow(times, path)
+    if compensate is None:
+        qs = guide.follow(times, path)
+    else:
+        qs = guide.follow(times, compensated(system, guide, times, path, compensate))
     values = np.array([guide.values(q, t) for q, t in zip(qs, times, strict=True)])
     return path, {joint: _table(times, column) for (joint, _), column in zip(joints, values.T, strict=True)}
 

@@ -15,6 +15,7 @@ from fmbd.cli.common import (
     number,
     progress_bar,
     read_model,
+    seconds,
     show,
     shown,
     suffixed,
@@ -42,6 +43,12 @@ def add(commands: Any) -> None:
     )
     add_model(parser)
     add_motion(parser)
+    parser.add_argument(
+        "--compensate",
+        metavar="SECONDS",
+        type=seconds,
+        help="take up the deflection at rest, under gravity, so that the point comes to its path over this time",
+    )
     parser.add_argument(
         "--model",
         dest="fed",
@@ -104,7 +111,7 @@ def _inverse(args: argparse.Namespace, refuse: Callable[[str], Never]) -> int:
     model = read_model(args)
     end = model.simulation.duration
     with compiling_announced(), progress_bar("following", end) as bar:
-        found = inverse(model, **given, on_progress=bar)
+        found = inverse(model, **given, compensate=args.compensate, on_progress=bar)
     show(f"{model.name}: inverse dynamics over {end:g} s", style="bold")
     show(facts(_facts(found)))
     show("", _motors(found))

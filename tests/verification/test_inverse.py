@@ -186,3 +186,31 @@ def test_files(tmp_path):
     found.save(tmp_path / "inputs.csv")
     rows = np.genfromtxt(tmp_path / "inputs.csv", delimiter=",", names=True)
     assert_allclose(rows["motor_rightvoltage"], found["motor_right.voltage"], rtol=1e-15)
+
+
+def test_deflection_at_rest_is_compensated():
+    """Gravity bends the rods and twists the shafts by 0.4 mm: in the end, all vibrations damped, that is taken up."""
+    damped = {"bodies.*.damping.stiffness_proportional": 5e-3, "simulation.output_interval": 0.02}
+    five_bar = load("five_bar.yaml", damped | {"simulation.duration": 2, "simulation.rtol": 1e-8})
+    plain = fmbd.inverse(five_bar, point="effector", path=ACROSS)
+    found = fmbd.inverse(five_bar, point="effector", path=ACROSS, compensate=0.3)
+    assert plain.error[-1] > 3e-4
+    assert found.error[-1] < 1e-7
+    there = fmbd.equilibrium(found.model, time=2, lock="none")  # at the voltages of the end
+    assert_allclose(there["rod_right.end.position"], [-0.1, 0.7], atol=1e-6)
+
+
+def test_what_cannot_be_followed_is_said():
+    five_bar = rigid_five_bar()
+    with pytest.raises(fmbd.AnalysisError, match=r"passes a position at t = .* where the motors do not hold"):
+        fmbd.inverse(five_bar, point="effector", path=["0.1*(1 - t)", "0.6 - 0.5*t"])
+    one_motor = five_bar.with_("motors", {"motor_right": five_bar.document.data["motors"]["motor_right"]})
+    with pytest.raises(fmbd.AnalysisError, match="2 degrees of freedom, and 1 joint with a motor"):
+        fmbd.inverse(one_motor, point="effector", path=ACROSS)
+    with pytest.raises(fmbd.ModelError, match="motion of y: its rate jumps at t = 1 s"):
+        path = ["0.1", {"type": "ramp", "end": 1, "from": 0.6, "to": 0.65}]
+        fmbd.inverse(five_bar.with_("simulation.duration", 2), point="effector", path=path)
+    with pytest.raises(fmbd.UnknownQuantity, match="unknown joint with a motor 'elbow_right'"):
+        fmbd.inverse(five_bar, joints={"elbow_right": "0"})
+    with pytest.raises(ValueError, match="give joints, or a point"):
+        fmbd.inverse(five_bar, point="effector")
