@@ -109,10 +109,11 @@ class Inverse:
     def save_model(self, path: str | Path) -> None:
         """Write the model that is fed with the inputs, and beside it the tables that it reads. Raises OSError."""
         path = Path(path)
-        model = fed(self.model, self.inputs, self.time, f"{path.stem}.inputs.csv")
+        own = f"{path.stem}.inputs.csv"
+        model = fed(self.model, self.inputs, self.time, own)
         for name, text in model.files.items():
-            if name != TABLE:
-                table = path.parent / name
+            table = path.parent / name
+            if name == own or (name != TABLE and not table.exists()):
                 table.parent.mkdir(parents=True, exist_ok=True)
                 table.write_text(text, encoding="utf-8")
         path.write_text(model.yaml(), encoding="utf-8")

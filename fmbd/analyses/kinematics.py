@@ -150,7 +150,7 @@ def kinematics(
         else read_file(model, file)
     )
     values = Course(given, model.simulation.duration).at(times)[..., 0]
-    if set(given) == {"x", "y"}:
+    if joints is None and set(given) == {"x", "y"}:
         guide = _guide(system, actuated(model, list(model.motors)), point)
         position = guide.follow_path(times, values)
     else:

@@ -61,23 +61,28 @@ def _table(times: Array, values: Array) -> Table:
 
 
 def started(model: Model, course: Course) -> Model:
-    """The model with a start from which its joints can move as they should; itself if its own start is one."""
+    """The model with a start from which its joints can move as they should; itself if its own start is one.
+
+    Other joints with motors keep their start.
+    """
     system = assemble(model)
-    joints = [name for name in actuated(model, list(model.motors)) if name[0] in course.signals]
-    order = [list(course.signals).index(joint) for joint, _ in joints]
-    values, rates, _ = course.at(np.zeros(1))[0, order].T
+    joints = actuated(model, list(model.motors))
     guide = Guide(system, joints)
     seen = guide.mechanism.coordinates(system.start.q, joints)
-    own = [(value, row[:-1] @ system.start.v + row[-1]) for value, row in seen]
-    if np.allclose(own, np.stack([values, rates], axis=-1), rtol=0.0, atol=SAME):
+    own = np.array([(value, row[:-1] @ system.start.v + row[-1]) for value, row in seen])
+    first = course.at(np.zeros(1))[0, :, :2]
+    named = {joint: n for n, joint in enumerate(course.signals)}
+    wanted = np.array(
+        [first[named[j]] if j in named else kept for (j, _), kept in zip(joints, own, strict=True)]
+    )
+    if np.allclose(own, wanted, rtol=0.0, atol=SAME):
         return model
-    q = guide.begin_joints(values)
-    free = guide.all_joints(q)
-    given = dict(zip(joints, values.tolist(), strict=True))
+    free = guide.all_joints(guide.begin_joints(wanted[:, 0]))
+    values, rates = (dict(zip(joints, column.tolist(), strict=True)) for column in wanted.T)
     initial = {
-        "joints": _by_joint(given),
-        "hints": _by_joint({name: value for name, value in free.items() if name not in given}),
-        "rates": model.initial.rates | _by_joint(dict(zip(joints, rates.tolist(), strict=True))),
+        "joints": _by_joint(values),
+        "hints": _by_joint({name: value for name, value in free.items() if name not in values}),
+        "rates": model.initial.rates | _by_joint({name: r for name, r in rates.items() if name[0] in named}),
     }
     return changed(model, {"initial": initial})
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Never
 
 from fmbd.cli.common import (
     DONE,
+    STOPPED,
     add_model,
     add_output,
     columns,
@@ -115,16 +116,18 @@ def _inverse(args: argparse.Namespace, refuse: Callable[[str], Never]) -> int:
     show(f"{model.name}: inverse dynamics over {end:g} s", style="bold")
     show(facts(_facts(found)))
     show("", _motors(found))
+    code = DONE
     if args.forward:
         with compiling_announced(), progress_bar("running", end) as bar:
             run = found.forward(args.forward, on_progress=bar)
         away = (f"{name} within {number(size, 2)}" for name, size in found.deviation(run).items())
+        code = DONE if run.status == "complete" else STOPPED
         show("", facts([("forward", f"{run.status}; {shown(away)}"), ("archive", str(args.forward))]))
     if args.fed:
         found.save_model(args.fed)
         show("", f"wrote {args.fed}; fmbd run {args.fed}")
     write_output(args.output, found.data(), found.table())
-    return DONE
+    return code
 
 
 def _facts(found: "Inverse") -> Iterator[tuple[str, str]]:
