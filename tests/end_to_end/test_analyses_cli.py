@@ -130,7 +130,9 @@ def test_kinematics_says_what_is_near(capsys):
     sweep = ("--sweep", "shoulder_right=0.5:1.5:3", "--sweep", "shoulder_left=1.5:3.6:3")
     code, out, _ = answer(capsys, "kinematics", FIVE_BAR, "--point", "effector", *sweep)
     assert code == 0
-    assert "4 of 9 on the grid can be reached" in out  # those with elbows less than 1 m apart, from the start on
+    assert (
+        "4 of 9 on the grid can be reached" in out
+    )  # those with elbows less than 1 m apart, from the start on
 
 
 @pytest.mark.parametrize(
