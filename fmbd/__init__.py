@@ -11,6 +11,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fmbd.analyses.inverse import Inverse, inverse
+    from fmbd.analyses.kinematics import Kinematics, kinematics
     from fmbd.analyses.state_space import StateSpace, linearize
     from fmbd.analyses.statics import Equilibrium, equilibrium
     from fmbd.analyses.vibrations import Modes, modes
@@ -37,6 +39,8 @@ __all__ = [
     "AnalysisError",
     "ArchiveError",
     "Equilibrium",
+    "Inverse",
+    "Kinematics",
     "Model",
     "ModelError",
     "Modes",
@@ -52,7 +56,9 @@ __all__ = [
     "draw",
     "equilibrium",
     "figures",
+    "inverse",
     "json_schema",
+    "kinematics",
     "linearize",
     "load_model",
     "modes",
@@ -69,6 +75,8 @@ _HOMES = {
     "AnalysisError": "fmbd.errors",
     "ArchiveError": "fmbd.results.archive",
     "Equilibrium": "fmbd.analyses.statics",
+    "Inverse": "fmbd.analyses.inverse",
+    "Kinematics": "fmbd.analyses.kinematics",
     "Model": "fmbd.model",
     "ModelError": "fmbd.errors",
     "Modes": "fmbd.analyses.vibrations",
@@ -83,7 +91,9 @@ _HOMES = {
     "draw": "fmbd.results.paraview",
     "equilibrium": "fmbd.analyses.statics",
     "figures": "fmbd.results.plots.plot",
+    "inverse": "fmbd.analyses.inverse",
     "json_schema": "fmbd.model.schema",
+    "kinematics": "fmbd.analyses.kinematics",
     "linearize": "fmbd.analyses.state_space",
     "load_model": "fmbd.model",
     "modes": "fmbd.analyses.vibrations",

@@ -25,6 +25,7 @@ class Table:
     times: tuple[float, ...]
     values: tuple[float, ...]
     interpolation: Literal["linear", "cubic"]
+    end_rates: tuple[float, float] | None = None  #: of a cubic one; left out, its ends are not-a-knot
 
 
 def _to_column(value: Any) -> str | int:

@@ -44,12 +44,10 @@ def simulate(
     if not isinstance(model, Model):
         model = load_model(model)
     system = assemble(model)
+    if output is None:
+        return simulate_system(system, on_progress)
     times = output_times(model.simulation.duration, model.simulation.output_interval)
     watch = Watch(system, _spread(times, WATCHED))
-    if output is None:
-        recording = Recording(**_columns(system))
-        _compute(system, times, recording, watch, lambda block: None, on_progress)
-        return Run(recording, lambda: model, lambda: system)
     pictures = Frames(system) if frames else None
     writer = ArchiveWriter(
         output,
@@ -70,6 +68,16 @@ def simulate(
             on_progress,
         )
     return Run(Archive(output), lambda: model, lambda: system)
+
+
+def simulate_system(system: System, on_progress: Callable[[float], None] | None = None) -> Run:
+    """Run an assembled system; the results stay in memory."""
+    simulation = system.model.simulation
+    times = output_times(simulation.duration, simulation.output_interval)
+    recording = Recording(**_columns(system))
+    watch = Watch(system, _spread(times, WATCHED))
+    _compute(system, times, recording, watch, lambda block: None, on_progress)
+    return Run(recording, lambda: system.model, lambda: system)
 
 
 def not_run(system: System) -> Run:

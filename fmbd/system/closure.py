@@ -46,17 +46,20 @@ class RigidMechanism:
         q: Array,
         held: Mapping[tuple[str, str], float],
         places: Mapping[str, tuple[float, float]],
+        t: float = 0.0,
     ) -> tuple[Array, Array]:
         """Residual (m,) and Jacobian (m, nq) of constraints, held joint coordinates and places."""
-        position, angle, jacobian = self.reference.stations(q, 0.0)
-        values, gradients = self.reference.pathways(q, 0.0)
+        _, stations = self.reference.frames(q, t)
+        position, angle, jacobian = stations[:, :2, 0], stations[:, 2, 0], stations[..., 1:]
+        lengths = self.reference.lengths(stations)
+        values, gradients = lengths[:, 0], lengths[:, 1:]
         residual: list[float] = []
         rows: list[Array] = []
         planar = self.lowered.planar
         for c in planar.held:
             constraint = planar.constraints[c]
             path = constraint["pathway"]
-            drive = self.reference.signal(constraint["driver"], 0.0)[0] if constraint["driver"] >= 0 else 0.0
+            drive = self.reference.signal(constraint["driver"], t)[0] if constraint["driver"] >= 0 else 0.0
             value = values[path] + drive
             turning = planar.terms[planar.pathways[path]["term0"]]["kind"] == ANGLE
             residual.append(wrap(value) if turning else value)
@@ -93,9 +96,11 @@ class RigidMechanism:
         moved = jacobian[b] - jacobian[a]
         return ex * dx + ey * dy, ex * moved[0] + ey * moved[1] + (ex * dy - ey * dx) * jacobian[a, 2]
 
-    def coordinates(self, q: Array, wanted: Sequence[tuple[str, str]]) -> list[tuple[float, Array]]:
+    def coordinates(
+        self, q: Array, wanted: Sequence[tuple[str, str]], t: float = 0.0
+    ) -> list[tuple[float, Array]]:
         """Coordinates of joints, as (joint, direction), at q, and their gradients (nq+1,)."""
-        stations = self.reference.stations(q, 0.0) if wanted else ()
+        stations = self.reference.stations(q, t) if wanted else ()
         return [self._coordinate(*pair, *stations) for pair in wanted]
 
     def solve(
@@ -103,10 +108,11 @@ class RigidMechanism:
         guess: Array,
         held: Mapping[tuple[str, str], float],
         places: Mapping[str, tuple[float, float]],
+        t: float = 0.0,
     ) -> Closure:
         """Damped Gauss-Newton from one guess (nq,)."""
         q = np.array(guess, float)
-        residual, jacobian = self.equations(q, held, places)
+        residual, jacobian = self.equations(q, held, places, t)
         size = np.linalg.norm(residual)
         for _ in range(60):
             if size == 0.0 or residual.size == 0:
@@ -117,7 +123,7 @@ class RigidMechanism:
             while fraction > 1e-3:
                 trial = q.copy()
                 trial[self.unknowns] += fraction * step
-                new, new_jacobian = self.equations(trial, held, places)
+                new, new_jacobian = self.equations(trial, held, places, t)
                 if np.linalg.norm(new) < size:
                     break
                 fraction *= 0.5
@@ -145,7 +151,7 @@ class RigidMechanism:
         and something is near, the position found from the guess stands.
         """
         if near is None:
-            near = self._joint_coordinates(guess)
+            near = self.joint_coordinates(guess)
         in_tree = all(joint not in self.lowered.tree.cut for joint, _ in held)
         if in_tree and not places and not len(self.lowered.planar.held):
             return Closure(guess, 0.0, 0)
@@ -181,7 +187,7 @@ class RigidMechanism:
         rows = self.equations(q, held, places)[1][:, self.unknowns]
         return bool(np.linalg.matrix_rank(rows, tol=1e-9) == self.unknowns.size)
 
-    def _joint_coordinates(self, q: Array) -> dict[tuple[str, str], float]:
+    def joint_coordinates(self, q: Array) -> dict[tuple[str, str], float]:
         """All joint coordinates that are not driven."""
         frames = self.reference.stations(q, 0.0)
         return {
@@ -194,7 +200,7 @@ class RigidMechanism:
     def _distance(self, q: Array, near: Mapping[tuple[str, str], float]) -> tuple[float, ...]:
         """Sorts positions by what their joint coordinates are away from those in `near`."""
         away = []
-        for (joint, direction), value in self._joint_coordinates(q).items():
+        for (joint, direction), value in self.joint_coordinates(q).items():
             step = value - near.get((joint, direction), 0.0)
             away.append(wrap(step) if direction == "angle" else step)
         return (round(float(np.linalg.norm(away)), 9), *(-np.round(away, 6)))

@@ -4,7 +4,8 @@ Every kind of part becomes stations, pathways and a law. Numbers that depend on 
 (rest lengths left out, branches of cut angles, set points given as places) are filled in by `system.start`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from fmbd.planar.arrays import ANGLE, DISTANCE, WORLD_X, WORLD_Y, Planar, record
 from fmbd.system.bodies import DIRECTIONS, fill, lower_bodies, place_hung
 from fmbd.system.columns import place_columns
 from fmbd.system.lowered import Lowered, Term
-from fmbd.system.motors import has_rotor, lower_motors, motor_coordinate, rotor_term
+from fmbd.system.motors import has_rotor, lower_motors, lower_shafts, motor_coordinate, rotor_term
 from fmbd.system.segments import cut_beams
 from fmbd.system.tree import Link, Tree, spanning_tree
 
@@ -28,8 +29,15 @@ MAX_ELEMENTS = 1000
 MAX_OUTPUTS = 10_000_000
 
 
-def lower(model: Model) -> Lowered:
-    """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground, or too large a job."""
+def lower(
+    model: Model, shafts: Mapping[str, Any] = MappingProxyType({}), points: Iterable[str] = ()
+) -> Lowered:
+    """Arrays and names of a model. Raises ModelError for bodies that are not tied to the ground, or too large a job.
+
+    shafts: motors whose motion is prescribed by a constraint `motor.shaft`, each with a signal: the rotor's angle
+    divided by the gear ratio
+    points: further points, or joints for their first points, that stations are wanted for
+    """
     _check_size(model)
     segmentation = cut_beams(model)
     whole = tree = _tree(model, [name for name, joint in model.joints.items() if joint.cut])
@@ -38,11 +46,11 @@ def lower(model: Model) -> Lowered:
     out = Lowered(segmentation, tree, whole)
     _name_bodies(out)
     _joints(out)
-    _places(out)
+    _places(out, points)
     motors, controllers = lower_motors(out)
     _springs(out)
     loads, distributed = _loads(out)
-    constraints = _constraints(out)
+    constraints = [*_constraints(out), *lower_shafts(out, shafts)]
     _assemble(out, motors, controllers, loads, distributed, constraints)
     return out
 
@@ -185,12 +193,12 @@ def _joints(out: Lowered) -> None:
                 out.springs.add_stops(f"{coordinate}.stop", path, limits)
 
 
-def _places(out: Lowered) -> None:
-    """Stations of the points that the start or a controller's target places in the plane."""
+def _places(out: Lowered, further: Iterable[str]) -> None:
+    """Stations of the points that the start or a controller's target places in the plane, and of further ones."""
     targets = [
         law.target.places for law in out.model.controllers.values() if isinstance(law.target, Placement)
     ]
-    for places in (out.model.initial.place, *targets):
+    for places in (out.model.initial.place, *targets, further):
         for name in places:
             out.station(*out.place_point(name))
 
@@ -329,7 +337,8 @@ def _assemble(
         table=table,
         online_compensation=int(any(c["online"] >= 0 for c in controllers)),
         held=np.array(
-            [c for c, (name, _) in enumerate(out.constraints) if not name.endswith(".gear")], np.int64
+            [c for c, (name, _) in enumerate(out.constraints) if not name.endswith((".gear", ".shaft"))],
+            np.int64,
         ),
         **parts,
     )

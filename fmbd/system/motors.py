@@ -1,5 +1,6 @@
 """Lower motors, their transmissions and controllers."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -70,6 +71,27 @@ def rotor_term(out: Lowered, name: str, motor: Motor) -> Term:
     stator = out.model.joints[motor.joint].between[0]
     a = out.station(stator.body, stator.point)
     return ANGLE, a, out.station(f"{name}.rotor", "axis"), (1.0, 0.0), 1.0
+
+
+def lower_shafts(out: Lowered, shafts: Mapping[str, Any]) -> list[tuple[int, int]]:
+    """(pathway, driver) of a constraint for each motor whose motion is prescribed: signal - rotor / ratio = 0.
+
+    Its multiplier is -ratio times the torque that it puts on the rotor.
+    """
+    constraints = []
+    for name, signal in shafts.items():
+        motor = out.model.motors[name]
+        direction = motor_coordinate(out.model, motor)
+        if has_rotor(motor):
+            rotor = rotor_term(out, name, motor)
+            path = out.own_pathway([(*rotor[:4], -1.0 / motor.gear_ratio)])
+        else:
+            path = out.own_pathway([out.joint_term(motor.joint, direction, -1.0)])
+            if motor.joint in out.tree.cut and direction == "angle":
+                out.cut_angles.append((path, motor.joint))
+        constraints.append((path, out.signals.add(signal)))
+        out.constraints.append((f"{name}.shaft", "N m" if direction == "angle" else "N"))
+    return constraints
 
 
 def _controller(out: Lowered, name: str, motor: Any, shaft: int, joint_path: int) -> dict[str, Any]:

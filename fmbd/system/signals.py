@@ -91,8 +91,9 @@ def _cubic_pieces(signal: Any) -> Array:
     else:
         from scipy.interpolate import CubicSpline
 
-        # not-a-knot ends; c is (4, n-1), highest power first
-        pieces[:-1, 1:] = CubicSpline(t, u).c[::-1].T
+        ends: Any = [(1, rate) for rate in signal.end_rates] if signal.end_rates else "not-a-knot"
+        # c is (4, n-1), highest power first
+        pieces[:-1, 1:] = CubicSpline(t, u, bc_type=ends).c[::-1].T
     return pieces
 
 

@@ -44,7 +44,7 @@ def solve_start(lowered: Lowered, reference: Any) -> Start:
     remarks: list[str] = []
     q = _position(lowered, mechanism, remarks)
     _set_branches(lowered, mechanism, reference, q)
-    q = _relax_rotors(lowered, mechanism, reference, q)
+    q = relax_rotors(lowered, mechanism, q)
     v = _rates(lowered, mechanism, reference, q)
     if lowered.planar.pathways.size:
         _relax_pathways(lowered, reference, q)
@@ -190,7 +190,7 @@ def _rotors(lowered: Lowered) -> list[tuple[int, float, str, str]]:
     return found
 
 
-def _relax_rotors(lowered: Lowered, mechanism: RigidMechanism, reference: Any, q: Array) -> Array:
+def relax_rotors(lowered: Lowered, mechanism: RigidMechanism, q: Array) -> Array:
     """Rotors start where their transmissions are relaxed: phi = r theta."""
     q = q.copy()
     rotors = _rotors(lowered)

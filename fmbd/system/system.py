@@ -1,7 +1,9 @@
 """A system: a model assembled into arrays, with its start. `assemble` is the one way to make it."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -146,9 +148,15 @@ class System:
         return self.to_nodal(qdd), np.array(self.work.reactions["multiplier"])
 
 
-def assemble(model: Any) -> System:
-    """Lower a model, solve its start, set its targets. Raises ModelError, with the place in the file."""
-    lowered = lower(model)
+def assemble(
+    model: Any, shafts: Mapping[str, Any] = MappingProxyType({}), points: Iterable[str] = ()
+) -> System:
+    """Lower a model, solve its start, set its targets. Raises ModelError, with the place in the file.
+
+    shafts: signals of motors whose motion is prescribed, the start in agreement; points: whose stations are wanted
+    (see lower.py)
+    """
+    lowered = lower(model, shafts, points)
     reference = Reference(lowered.planar, lowered.beams, lowered.shortenings)
     check_drives(lowered, reference)
     start = solve_start(lowered, reference)

@@ -106,9 +106,57 @@ def test_pictures_of_modes_and_of_a_frequency_response(capsys):
     assert Path("bode.png").read_bytes().startswith(b"\x89PNG")
 
 
+PATH = ("--point", "effector", "--path", "0.1 - 0.2*t", "0.6 + 0.1*t")
+SHORT = ("--set", "simulation.duration=0.1", "--set", "simulation.output_interval=0.01")
+
+
+def test_inverse_feeds_its_inputs_to_a_model(capsys, tmp_path):
+    """What is written runs, and reads as what was printed."""
+    files = ("--model", "fed.yaml", "--forward", "forward.vtkhdf", "-o", "inputs.csv")
+    code, out, err = answer(capsys, "inverse", FIVE_BAR, *PATH, *SHORT, *files)
+    assert (code, err) == (0, "")
+    assert out.startswith("five-bar: inverse dynamics over 0.1 s\n")
+    for fact in (
+        "rod_right.end, from (0.1, 0.6) to (0.08, 0.61) m",
+        "m off its path",
+        "voltage, most [V]",
+        "complete; ",
+    ):
+        assert fact in out
+    assert max(map(len, out.splitlines())) <= 150
+    table = np.genfromtxt("inputs.csv", delimiter=",", names=True)
+    assert f"{np.abs(table['motor_leftvoltage']).max():.6g}" in out
+    assert answer(capsys, "run", "fed.yaml", "--quiet")[0] == 0
+    assert answer(capsys, "info", "forward.vtkhdf")[0] == 0
+
+
+def test_kinematics_says_what_is_near(capsys):
+    code, out, err = answer(capsys, "kinematics", FIVE_BAR, *PATH, *SHORT, "-o", "positions.json")
+    assert (code, err) == (0, "")
+    for fact in ("x from 0.08 to 0.1 m", "condition", "parallel  ", "serial  ", "nearest 0.17"):
+        assert fact in out  # 0.9 m, both links, less 0.72 m from the foot on the left to the effector
+    found = json.loads(Path("positions.json").read_text())
+    assert found["effector.x"][0] == pytest.approx(0.1)
+    sweep = ("--sweep", "shoulder_right=0.5:1.5:3", "--sweep", "shoulder_left=1.5:3.6:3")
+    code, out, _ = answer(capsys, "kinematics", FIVE_BAR, "--point", "effector", *sweep)
+    assert code == 0
+    assert (
+        "4 of 9 on the grid can be reached" in out
+    )  # those with elbows less than 1 m apart, from the start on
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
+        (("inverse", FIVE_BAR, "--joint", "shoulder_rigt=1"), 2, "did you mean 'shoulder_right'?"),
+        (("inverse", FIVE_BAR, "--joint", "shoulder_right=1+z"), 2, "unknown name 'z'"),
+        (
+            ("inverse", FIVE_BAR, "--point", "effector", "--path", "0.1+t", "0.6"),
+            1,
+            "effector cannot reach (0.371, 0.6)",
+        ),
+        (("inverse", FIVE_BAR, "--file", "none.csv"), 2, "none.csv: No such file or directory"),
+        (("kinematics", FIVE_BAR, "--point", "efector", "--path", "0", "1"), 2, "did you mean 'effector'?"),
         (("statics", "falling.yaml"), 1, "no equilibrium: nothing stops loose.y, which can move freely"),
         (("modes", FIVE_BAR, "--lock", "arm"), 2, "unknown motor 'arm' (known: motor_right, motor_left)"),
         (("modes", FIVE_BAR, "--about", "start", "--time", "1"), 1, "the start is at t = 0 s, not at 1 s"),
@@ -129,6 +177,13 @@ def test_refusals(capsys, tmp_path, arguments, code, message):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (
+            ("inverse", FIVE_BAR, "--joint", "shoulder_right"),
+            "'shoulder_right' is not of the form NAME=SIGNAL",
+        ),
+        (("inverse", FIVE_BAR, "--point", "effector"), "give the motion by --joint, by --point with"),
+        (("kinematics", FIVE_BAR, "--point", "effector"), "and one of --joint, --path, --file and --sweep"),
+        (("kinematics", FIVE_BAR, "--sweep", "a=1:2"), "'a=1:2' is not of the form JOINT=FIRST:LAST:COUNT"),
         (("linearize", FIVE_BAR, "--bode", "10:1"), "'10:1' is not of the form FROM:TO or FROM:TO:N"),
         (("statics", FIVE_BAR, "-o", "rest.txt"), "'rest.txt' does not end in .h5 or .json or .csv"),
         (("statics", FIVE_BAR, "--time", "-1"), "'-1' is not a time from 0 on"),

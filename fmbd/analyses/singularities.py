@@ -1,0 +1,104 @@
+"""Singular positions of a rigid mechanism with as many inputs as degrees of freedom, and a point that they move.
+
+    Phi_x dx = 0,  A dx = d theta,  P dx = dp        loops, inputs, point; x all joint coordinates
+    parallel   det [Phi_x; A] = 0    the inputs do not hold the mechanism (type 2)
+    serial     det [Phi_x; P] = 0    the point cannot move in some direction (type 1); two inputs only
+    J = dp / d theta,  det J = serial / parallel (but for the sign)
+
+Of the five-bar they are l2^2 sin(angle between the rods), and the product of l1 l2 sin(elbow's angle) of both arms.
+Source: C. Gosselin, J. Angeles, Singularity analysis of closed-loop kinematic chains, IEEE Transactions on Robotics and
+Automation 6 (3), 1990, pp. 281-290.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fmbd.analyses.guide import Guide
+
+Array = np.ndarray
+
+#: Step of the derivatives of a determinant [rad, m].
+_STEP = 1e-6
+_CLOSED = 1e-8
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """A singular position: of which kind, where the point is [m], the inputs [rad, m], how far the point is off [m]."""
+
+    kind: str
+    place: Array
+    inputs: Array
+    distance: float
+
+
+def parallel(guide: Guide, q: Array, t: float) -> float:
+    """det [Phi_x; A] at nodal coordinates q (nq,)."""
+    loops, inputs, _ = guide.rows(q, t)
+    return float(np.linalg.det(np.vstack([loops, inputs])))
+
+
+def serial(guide: Guide, q: Array, t: float) -> float:
+    """det [Phi_x; P], NaN unless there are two inputs."""
+    loops, inputs, point = guide.rows(q, t)
+    return float(np.linalg.det(np.vstack([loops, point]))) if len(inputs) == 2 else np.nan
+
+
+def jacobian(guide: Guide, q: Array, t: float) -> Array:
+    """J = dp / d theta, shape (2, inputs); infinite where the inputs do not hold the mechanism."""
+    loops, inputs, point = guide.rows(q, t)
+    given = np.vstack([np.zeros((len(loops), len(inputs))), np.eye(len(inputs))])
+    try:
+        return np.asarray(point @ np.linalg.solve(np.vstack([loops, inputs]), given))
+    except np.linalg.LinAlgError:
+        return np.full((2, len(inputs)), np.inf)
+
+
+def nearest(guide: Guide, q: Array, t: float, kind: str) -> Singularity | None:
+    """The singular position of a kind, `parallel` or `serial`, whose point is nearest to that at q; None if not found.
+
+    A local minimum of the distance: where there are several singular curves, that of the one which q leads to.
+    """
+    from scipy import optimize
+
+    unknowns = guide.mechanism.unknowns
+    size: Callable[[Guide, Array, float], float] = {"parallel": parallel, "serial": serial}[kind]
+    place = guide.place(q, t)
+
+    def at(x: Array) -> Array:
+        moved = q.copy()
+        moved[unknowns] = x
+        return moved
+
+    def slope(x: Array) -> Array:
+        steps = _STEP * np.eye(x.size)
+        return np.array([size(guide, at(x + h), t) - size(guide, at(x - h), t) for h in steps]) / (
+            2.0 * _STEP
+        )
+
+    def away(x: Array) -> Array:
+        return guide.place(at(x), t) - place
+
+    closed = [
+        {"type": "eq", "fun": lambda x: guide.miss(at(x), t), "jac": lambda x: guide.rows(at(x), t)[0]},
+        {"type": "eq", "fun": lambda x: size(guide, at(x), t), "jac": slope},
+    ]
+    options = {"ftol": 1e-14, "maxiter": 200}
+    minimise: Any = optimize.minimize  # its annotations know no method with gradients of constraints
+    found = minimise(
+        lambda x: float(away(x) @ away(x)),
+        q[unknowns],
+        jac=lambda x: 2.0 * away(x) @ guide.rows(at(x), t)[2],
+        method="SLSQP",
+        constraints=closed,
+        options=options,
+    )
+    there = at(found.x)
+    if max(np.abs(guide.miss(there, t)).max(initial=0.0), abs(size(guide, there, t))) > _CLOSED:
+        return None
+    return Singularity(
+        kind, guide.place(there, t), guide.values(there, t), float(np.linalg.norm(away(found.x)))
+    )
