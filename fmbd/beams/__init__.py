@@ -1,4 +1,4 @@
-"""Euler-Bernoulli beams in a floating frame: Hermite elements, inertia and stiffness integrals, modes."""
+"""Beams in a floating frame: Hermite elements, inertia and stiffness integrals, modes."""
 
 from fmbd.beams.floating import FloatingBeam, Frame, floating_beam
 from fmbd.beams.foreshortening import Foreshortening

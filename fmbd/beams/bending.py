@@ -1,7 +1,8 @@
 """Bending moment, shear force and stress of a beam: rows that give them from its elastic coordinates e.
 
 They jump from element to element, and where the section does; there it is the mean of both sides. They are
-derivatives of the deflection, so they converge more slowly than it does.
+derivatives of the deflection, so they converge more slowly than it does. With shear, w'' stands for the psi' of the
+cross-sections, and the shear force is -kGA gamma, which in a uniform element is the same.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,9 @@ def bending_moment(beam: FloatingBeam, x: ArrayLike) -> Array:
 
 
 def shear_force(beam: FloatingBeam, x: ArrayLike) -> Array:
-    """Rows of (EI w'')' [N] at x [m] (points,), shape (points, nf)."""
+    """Rows of (EI w'')' [N], or -kGA gamma, at x [m] (points,), shape (points, nf)."""
+    if beam.shears:
+        return _mean(lambda side: -_column(beam, "shear_stiffness", x, 0, side) * beam.shear_angle(x, side))
     return _mean(
         lambda side: (
             _column(beam, "bending_stiffness", x, 0, side) * beam.third_derivative(x, side)

@@ -1,17 +1,22 @@
-"""A planar Euler-Bernoulli beam in its floating frame.
+"""A planar beam in its floating frame: Euler-Bernoulli, Rayleigh or Timoshenko.
 
 The frame's origin is at the start of the beam, its x axis along the undeformed beam; the deflection is
 w(x) = S(x) e. Reference conditions tie the frame to the beam: "clamped" drops w0 and slope0 (the frame
 follows the start's cross-section), "chord" drops w0 and wn (the x axis passes through both ends).
 
 S       shape functions (nf,)              s    int S dm (nf,)
-e       elastic coordinates (nf,)          p    int x S dm + sum I_k S'(x_k) (nf,)
-M_w     int S^T S dm                       K    int EI S''^T S'' dx
-M       M_w + sum I_k S'(x_k)^T S'(x_k)
-m_k, I_k, x_k   point masses: mass, moment of inertia, position; dm includes the m_k
+e       elastic coordinates (nf,)          p    int x S dm + int psi dI (nf,)
+M_w     int S^T S dm *                     K    int EI psi'^T psi' dx + int kGA gamma^T gamma dx
+M       M_w + int psi^T psi dI
+psi     rotations of the cross-sections (nf,): S' - gamma; gamma the shear angles, zero unless the pieces can shear
+m_k, I_k, x_k   point masses: mass, moment of inertia, position; dm includes the m_k, dI the I_k
+dI      includes rho I dx if the pieces have rotary inertia: cross-sections turn with frame and beam, theta' + psi e'
+
+*  M_w is what makes the moment of inertia grow with the deflection: what turns has no part in that. Of many masses that
+turn, as of rotary inertia, that is true of the lowest modes; the others' turning is left in it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -19,11 +24,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fmbd.beams import modal
-from fmbd.beams.hermite import Array, Side, interpolation
-from fmbd.beams.pieces import BeamPiece, degree, evaluate, gauss_points
+from fmbd.beams.hermite import Array, Side, interpolation, shear_angles
+from fmbd.beams.pieces import BeamPiece, degree, element_breaks, evaluate, gauss_points
+from fmbd.beams.thickness import rotary_inertia, shear_parameters
 
 Frame = Literal["clamped", "chord"]
 
+_MOST_TURNING = 8  # rows of what turns, and modes whose turning is told from their moving
 _ROUND_OFF = 1e-9  # a position that misses the beam by less than this, in lengths, is on it
 
 
@@ -39,12 +46,14 @@ class FloatingBeam:
     frame: Frame
     mass: float  #: [kg]
     first_moment: float  #: int x dm [kg m]
-    inertia: float  #: J0 = int x^2 dm + sum I_k, about the start [kg m^2]
+    inertia: float  #: J0 = int x^2 dm + int dI, about the start [kg m^2]
     s: Array  #: shape (nf,), [kg] for w, [kg m] for slope
     p: Array  #: shape (nf,), [kg m] for w, [kg m^2] for slope
     M: Array  #: mass matrix, shape (nf, nf)
-    M_w: Array  #: the part of M that moves transversely, shape (nf, nf)
+    M_w: Array  #: the part of M that moves transversely, M - turning^T turning, shape (nf, nf)
+    turning: Array  #: rows whose square is the rest of M, that of what turns, shape (at most 8, nf)
     K: Array  #: stiffness matrix, shape (nf, nf)
+    shear: Array  #: Phi of each element (hermite.py), shape (n,), zeros if rigid in shear
     point_masses: Array  #: positions [m] and masses [kg], shape (point masses, 2)
     modes: Array | None = None  #: of the nodal coordinates, shape (nodal coordinates, nf)
 
@@ -80,16 +89,29 @@ class FloatingBeam:
         """S at x [m]: shape (nf,) for a number, (points, nf) for an array. ValueError off the beam."""
         return self._evaluate(x, 0)
 
+    @property
+    def shears(self) -> bool:
+        """Whether cross-sections may stay behind the slope of the axis."""
+        return bool(self.shear.any())
+
     def slope(self, x: ArrayLike) -> Array:
-        """S' at x [m], shaped as `shape`."""
+        """Rotations psi of the cross-sections at x [m], S' unless the beam shears, shaped as `shape`."""
+        return self._evaluate(x, 1) - self.shear_angle(x) if self.shears else self._evaluate(x, 1)
+
+    def tangent(self, x: ArrayLike) -> Array:
+        """S' at x [m], shaped as `shape`; at a node of a beam that shears that on its right."""
         return self._evaluate(x, 1)
 
+    def shear_angle(self, x: ArrayLike, side: Side = "right") -> Array:
+        """S' - psi at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        return self._rows(x, lambda at: shear_angles(self.nodes, at, side, self.shear))
+
     def curvature(self, x: ArrayLike, side: Side = "right") -> Array:
-        """S'' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        """S'' = psi' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
         return self._evaluate(x, 2, side)
 
     def third_derivative(self, x: ArrayLike, side: Side = "right") -> Array:
-        """S''' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
+        """S''' = psi'' at x [m], shaped as `shape`; at an interior node that of the element on its `side`."""
         return self._evaluate(x, 3, side)
 
     def bending_stiffness(self, x: ArrayLike) -> Array:
@@ -117,7 +139,7 @@ class FloatingBeam:
         """
         if self.modes is not None:
             return np.eye(len(self.M)), np.diag(self.K).copy()
-        return modal.modal_basis(self.M, _stiffness_root(self.pieces, self.nodes, self.frame))
+        return modal.modal_basis(self.M, _stiffness_root(self.pieces, self.nodes, self.frame, self.shear))
 
     def truncated(self, count: int) -> "FloatingBeam":
         """The beam that moves in its first modes only; ValueError if it has fewer."""
@@ -131,14 +153,19 @@ class FloatingBeam:
             p=_constant(self.p @ kept),
             M=_constant(np.eye(count)),
             M_w=_constant(kept.T @ self.M_w @ kept),
+            turning=_constant(self.turning @ kept),
             K=_constant(np.diag(omega2[:count])),
             modes=_constant(kept),
         )
 
     def _evaluate(self, x: ArrayLike, derivative: int, side: Side = "right") -> Array:
+        return self._rows(x, lambda at: interpolation(self.nodes, at, derivative, side, self.shear))
+
+    def _rows(self, x: ArrayLike, mesh_rows: Callable[[Array], Array]) -> Array:
+        """Rows of the mesh's coordinates, given at positions (points,), as rows of e."""
         x = np.asarray(x, float)
         self._check_on_beam(x)
-        values = _shapes(self.nodes, self.frame, x.ravel(), derivative, side)
+        values = mesh_rows(x.ravel())[:, _kept(self.nodes, self.frame)]
         if self.modes is not None:
             values = values @ self.modes
         return values.reshape(*x.shape, -1)
@@ -165,27 +192,35 @@ def floating_beam(
     x_k, m_k, I_k = np.array(point_masses, float).reshape(-1, 3).T
     _check_positions(x_k, float(nodes[-1]), "point mass")
 
-    x, weight = gauss_points(_breaks(pieces, nodes), 6 + degree(pieces, "mass_per_length"))
+    kept, shear = _kept(nodes, frame), shear_parameters(pieces, nodes)
+    x, weight = gauss_points(element_breaks(pieces, nodes), 6 + degree(pieces, "mass_per_length"))
     dm = np.concatenate((weight * evaluate(pieces, "mass_per_length", x), m_k))
     x = np.concatenate((x, x_k))
-    if min(dm.min(), I_k.min(initial=0)) < 0:
+    x_I, dI = rotary_inertia(pieces, nodes)
+    x_I, dI = np.concatenate((x_I, x_k)), np.concatenate((dI, I_k))
+    if min(dm.min(), dI.min(initial=0)) < 0:
         raise ValueError("a beam's mass per length, point masses and inertias must not be negative")
-    S, dS_k = _shapes(nodes, frame, x), _shapes(nodes, frame, x_k, 1)
-    moving, turning = S * np.sqrt(dm)[:, None], dS_k * np.sqrt(I_k)[:, None]
-    M = _square(np.concatenate((moving, turning)))
+    x_I, dI = x_I[dI > 0.0], dI[dI > 0.0]
+    S = interpolation(nodes, x, shear=shear)[:, kept]
+    psi = (interpolation(nodes, x_I, 1, shear=shear) - shear_angles(nodes, x_I, "right", shear))[:, kept]
+    moving, turning = S * np.sqrt(dm)[:, None], psi * np.sqrt(dI)[:, None]
+    M, G = _square(np.concatenate((moving, turning))), _stiffness_root(pieces, nodes, frame, shear)
     _check_mass(M)
+    few = _few(turning, M, G)
     return FloatingBeam(
         pieces=pieces,
         nodes=_constant(nodes),
         frame=frame,
         mass=float(dm.sum()),
         first_moment=float(dm @ x),
-        inertia=float(dm @ x**2 + I_k.sum()),
+        inertia=float(dm @ x**2 + dI.sum()),
         s=_constant(dm @ S),
-        p=_constant((dm * x) @ S + I_k @ dS_k),
+        p=_constant((dm * x) @ S + dI @ psi),
         M=_constant(M),
-        M_w=_constant(_square(moving)),
-        K=_constant(_square(_stiffness_root(pieces, nodes, frame))),
+        M_w=_constant(_square(moving) if few is turning else M - _square(few)),
+        turning=_constant(few),
+        K=_constant(_square(G)),
+        shear=_constant(shear),
         point_masses=_constant(np.stack([x_k, m_k], axis=-1)),
     )
 
@@ -196,26 +231,32 @@ def _kept(nodes: Array, frame: Frame) -> NDArray[np.intp]:
     return mesh[2:] if frame == "clamped" else np.delete(mesh, [0, -2])
 
 
-def _shapes(nodes: Array, frame: Frame, x: Array, derivative: int = 0, side: Side = "right") -> Array:
-    return interpolation(nodes, x, derivative, side)[:, _kept(nodes, frame)]
-
-
-def _stiffness_root(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame) -> Array:
-    """G with K = G^T G: the curvatures at the Gauss points times sqrt(EI dx), shape (points, nf)."""
-    x, weight = gauss_points(_breaks(pieces, nodes), 2 + degree(pieces, "bending_stiffness"))
+def _stiffness_root(pieces: Sequence[BeamPiece], nodes: Array, frame: Frame, shear: Array) -> Array:
+    """G with K = G^T G: curvatures, shear angles at the Gauss points times sqrt(EI dx), sqrt(kGA dx), (points, nf)."""
+    x, weight = gauss_points(element_breaks(pieces, nodes), 2 + degree(pieces, "bending_stiffness"))
     EI = evaluate(pieces, "bending_stiffness", x)
     if EI.min() <= 0:
         raise ValueError("a beam's bending stiffness must be positive")
-    return _shapes(nodes, frame, x, 2) * np.sqrt(EI * weight)[:, None]
-
-
-def _breaks(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
-    return np.unique(np.concatenate((nodes, [piece.start for piece in pieces[1:]])))
+    G = interpolation(nodes, x, 2, shear=shear) * np.sqrt(EI * weight)[:, None]
+    if shear.any():
+        x, weight = gauss_points(element_breaks(pieces, nodes), degree(pieces, "shear_stiffness"))
+        dx = weight * evaluate(pieces, "shear_stiffness", x)
+        G = np.concatenate((G, shear_angles(nodes, x, "right", shear) * np.sqrt(dx)[:, None]))
+    return G[:, _kept(nodes, frame)]
 
 
 def _square(factor: Array) -> Array:
     """factor^T factor, exactly symmetric."""
     return factor.T @ factor
+
+
+def _few(turning: Array, M: Array, G: Array) -> Array:
+    """A few rows in place of many, whose square is theirs on the lowest modes, and never more."""
+    if len(turning) <= _MOST_TURNING:
+        return turning
+    Psi, _ = modal.modal_basis(M, G)
+    spanned, _ = np.linalg.qr(turning @ Psi[:, :_MOST_TURNING])
+    return np.asarray(spanned.T @ turning)
 
 
 def _constant(array: Array) -> Array:

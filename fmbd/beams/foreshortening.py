@@ -6,6 +6,9 @@ Without it a tension along a beam seems to soften it, and a beam that rotates fa
 stiffen as they should (geometric stiffening). H(x) is kept for the lowest modes only, e = Psi eta: it is dense in them,
 and the higher ones take no part in what shortens the beam.
 
+A beam that shears keeps its length across the cross-sections (Reissner's axial strain is zero), and shearing stretches
+the axis itself: H(x) = int_0^x (S'^T S' - gamma^T gamma) dx, gamma the shear angles.
+
 A. A. Shabana, Dynamics of Multibody Systems, section on geometric stiffening; T. R. Kane, R. R. Ryan,
 A. K. Banerjee, Dynamics of a cantilever beam attached to a moving base, J. Guidance 10 (1987) 139-151.
 """
@@ -71,7 +74,7 @@ class Foreshortening:
         return left @ H @ left.T
 
     def _integral(self, x0: float, x1: float, weight: Callable[[Array], Array]) -> Array:
-        """int S'^T S' weight dx over [x0, x1], in modes."""
+        """int (S'^T S' - gamma^T gamma) weight dx over [x0, x1], in modes."""
         beam = self.beam
         kinks = np.concatenate([beam.nodes, [p.start for p in beam.pieces], beam.point_masses[:, 0]])
         x, dx = gauss_points(
@@ -79,8 +82,13 @@ class Foreshortening:
             # slopes squared, times the mass beyond or its moment
             4 + degree(beam.pieces, "mass_per_length") + 2,
         )
-        slopes = beam.slope(x) @ self.psi
-        return (slopes * (dx * weight(x))[:, None]).T @ slopes
+        dm = (dx * weight(x))[:, None]
+        slopes = beam.tangent(x) @ self.psi
+        total = (slopes * dm).T @ slopes
+        if beam.shears:
+            sheared = beam.shear_angle(x) @ self.psi
+            total -= (sheared * dm).T @ sheared
+        return total
 
     def _beyond(self, x: Array, power: int) -> Array:
         """int_x^L s^power dm(s), shaped as x."""

@@ -1,8 +1,9 @@
 """Piecewise polynomial properties along a beam, and Gauss quadrature that is exact for them."""
 
 from collections.abc import Sequence
+from dataclasses import Field
 from functools import cache
-from typing import Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
@@ -11,7 +12,12 @@ from fmbd.beams.hermite import Array, Side
 
 
 class BeamPiece(Protocol):
-    """A stretch of a beam: its properties are polynomials in the distance from `start`, ascending powers."""
+    """A stretch of a beam: its properties are polynomials in the distance from `start`, ascending powers.
+
+    A dataclass; what a beam leaves out is None.
+    """
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
     @property
     def start(self) -> float:
@@ -28,6 +34,14 @@ class BeamPiece(Protocol):
     @property
     def bending_stiffness(self) -> Sequence[float]:
         """Coefficients [N m^2, N m, ...]."""
+
+    @property
+    def rotary_inertia(self) -> Sequence[float] | None:
+        """Moment of inertia of the cross-sections rho I, by length, coefficients [kg m, kg, ...]."""
+
+    @property
+    def shear_stiffness(self) -> Sequence[float] | None:
+        """kappa G A, coefficients [N, N/m, ...]; None: rigid in shear."""
 
 
 def evaluate(
@@ -46,9 +60,22 @@ def evaluate(
     return value
 
 
+def has(pieces: Sequence[BeamPiece], name: str) -> bool:
+    """Whether all pieces have the property `name`, or none; ValueError for some."""
+    known = {getattr(piece, name) is not None for piece in pieces}
+    if len(known) > 1:
+        raise ValueError(f"all pieces of a beam must have {name.replace('_', ' ')}, or none")
+    return known == {True}
+
+
 def degree(pieces: Sequence[BeamPiece], name: str) -> int:
     """The highest polynomial degree of the property `name`."""
     return max(len(getattr(piece, name)) for piece in pieces) - 1
+
+
+def element_breaks(pieces: Sequence[BeamPiece], nodes: Array) -> Array:
+    """Nodes and boundaries of pieces [m], between which properties and shape functions are polynomials."""
+    return np.unique(np.concatenate((nodes, [piece.start for piece in pieces[1:]])))
 
 
 def gauss_points(breaks: Array, degree: int) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from fmbd.model.base import Flag, NotNegative, Number, Part, Positive, Text, Who
 from fmbd.model.context import Context, context_of, reference, reject
 from fmbd.model.materials import Material
 from fmbd.model.names import unknown
-from fmbd.model.pieces import LENGTH_TOLERANCE, BeamPiece, SectionLayout, beam_pieces, uniform_piece
+from fmbd.model.pieces import LENGTH_TOLERANCE, BeamPiece, SectionLayout, Shear, beam_pieces, uniform_piece
 from fmbd.model.points import Name
 
 MAX_ELEMENTS = 100_000  # of all beams of a model
@@ -54,14 +54,19 @@ def _kind_of_modes(value: Any) -> str:
     return "all" if value == "all" else "up_to" if isinstance(value, dict | UpTo) else "number"
 
 
+def _flag_or(tag: str) -> Discriminator:
+    """Tells true and false from what a switch may say more."""
+    return Discriminator(lambda value: "flag" if isinstance(value, bool) else tag)
+
+
 @dataclass(frozen=True, slots=True)
 class Beam:
-    """A planar Euler-Bernoulli beam along the x axis of its floating frame.
+    """A planar beam along the x axis of its floating frame: Euler-Bernoulli, unless its pieces have more.
 
     `nodes` are positions [m] from 0 to `length`; `points` are positions of all named points, start, end and
     node0 to nodeN included; `pieces` cover the length; mass and stiffness are polynomials within each.
     `youngs_modulus` [Pa] is None when the bending stiffness was given as a number. `segments` divides the number
-    of elements.
+    of elements. `mass` is distributed along the elements or lumped at the nodes.
     """
 
     type: ClassVar[str] = "beam"
@@ -76,6 +81,17 @@ class Beam:
     segments: int = 1
     modes: Literal["all"] | int | UpTo = "all"
     foreshortening: bool = False
+    mass: Literal["consistent", "lumped"] = "consistent"
+
+    @property
+    def rotary_inertia(self) -> bool:
+        """Whether the cross-sections have inertia of their own."""
+        return self.pieces[0].rotary_inertia is not None
+
+    @property
+    def shear(self) -> bool:
+        """Whether the beam shears."""
+        return self.pieces[0].shear_stiffness is not None
 
 
 class BeamEntry(Part):
@@ -109,6 +125,14 @@ class BeamEntry(Part):
     """Floating frame: tangent to the beam at its start, or through both ends. Deflections are measured from it."""
     foreshortening: Flag = False
     """Whether bending draws the beam's points towards its start, to second order: geometric stiffening."""
+    rotary_inertia: Annotated[
+        Annotated[Flag, Tag("flag")] | Annotated[Positive, Tag("number")], _flag_or("number")
+    ] = False
+    """Whether cross-sections have inertia against turning (Rayleigh); a number, rho I [kg m], with mass_per_length."""
+    shear: Annotated[Annotated[Flag, Tag("flag")] | Annotated[Shear, Tag("shear")], _flag_or("shear")] = False
+    """Whether the beam shears (Timoshenko), or how: {shear_coefficient: ...} or {shear_stiffness: ...}."""
+    mass: Literal["consistent", "lumped"] = "consistent"
+    """Mass distributed along the elements, or lumped at the nodes."""
     points: dict[Name, NotNegative] = Field(default_factory=dict)
     """Points by name: distance from the start [m]. start, end and node0, node1, ... always exist."""
     point_masses: dict[Text, Annotated[PointMass, short_form("mass", NotNegative | PointMass)]] = Field(
@@ -140,6 +164,7 @@ class BeamEntry(Part):
             self.segments,
             self.modes,
             self.foreshortening,
+            self.mass,
         )
 
     def _count_elements(self, context: Context) -> None:
@@ -229,7 +254,24 @@ class BeamEntry(Part):
                 also = "" if numbers else " (or mass_per_length and bending_stiffness)"
                 reject((), f"missing key '{key}'{also}")
         if self.material is not None and self.section is not None:
-            return beam_pieces(self.section, self.material, self.length)
+            if not isinstance(self.rotary_inertia, bool):
+                reject(("rotary_inertia",), "is true or false for a beam of material and section")
+            shear = (Shear() if self.shear else None) if isinstance(self.shear, bool) else self.shear
+            return beam_pieces(self.section, self.material, self.length, self.rotary_inertia, shear)
+        return (self._uniform_piece(),)
+
+    def _uniform_piece(self) -> BeamPiece:
+        """Of numbers by length."""
         assert self.mass_per_length is not None
         assert self.bending_stiffness is not None
-        return (uniform_piece(self.length, self.mass_per_length, self.bending_stiffness),)
+        if self.rotary_inertia is True:
+            reject(("rotary_inertia",), "must be a number, rho I [kg m], for a beam of mass_per_length")
+        shear = self.shear.shear_stiffness if isinstance(self.shear, Shear) else None
+        if self.shear and shear is None:
+            reject(
+                ("shear",), "must be {shear_stiffness: ...}, kappa G A [N], for a beam of bending_stiffness"
+            )
+        if isinstance(self.shear, Shear) and self.shear.shear_coefficient is not None:
+            reject(("shear", "shear_coefficient"), "is for a beam of material and section")
+        rotary = None if self.rotary_inertia is False else self.rotary_inertia
+        return uniform_piece(self.length, self.mass_per_length, self.bending_stiffness, rotary, shear)

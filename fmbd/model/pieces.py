@@ -9,8 +9,7 @@ from pydantic import BeforeValidator, model_validator
 from fmbd.model.base import Part, Positive
 from fmbd.model.context import reference, reject
 from fmbd.model.materials import Material
-from fmbd.model.polynomials import Polynomial
-from fmbd.model.sections import General, Section, section_properties
+from fmbd.model.sections import General, Section, section_properties, shear_coefficient
 
 LENGTH_TOLERANCE = 1e-9  # relative to the length: positions this close to an end are the end
 
@@ -19,7 +18,8 @@ LENGTH_TOLERANCE = 1e-9  # relative to the length: positions this close to an en
 class BeamPiece:
     """Properties between `start` and `end` [m]: polynomials in the distance from `start`, ascending powers.
 
-    `height` [m] in the plane of bending is None when it is not known.
+    `height` [m] in the plane of bending is None when it is not known, `rotary_inertia` rho I [kg m] and
+    `shear_stiffness` kappa G A [N] when the beam leaves them out.
     """
 
     start: float
@@ -27,6 +27,17 @@ class BeamPiece:
     mass_per_length: tuple[float, ...]
     bending_stiffness: tuple[float, ...]
     height: tuple[float, ...] | None
+    rotary_inertia: tuple[float, ...] | None = None
+    shear_stiffness: tuple[float, ...] | None = None
+
+
+class Shear(Part):
+    """Shear deformation of a beam by its stiffness kappa G A."""
+
+    shear_coefficient: Positive | None = None
+    """Shear coefficient kappa, instead of that of the section by Cowper's formula."""
+    shear_stiffness: Positive | None = None
+    """kappa G A [N], for a beam of mass_per_length and bending_stiffness."""
 
 
 SectionRef = Annotated[Section, reference("sections", "section")]
@@ -77,8 +88,17 @@ SectionLayout = Annotated[
 ]
 
 
-def beam_pieces(layout: Sequence[SectionPiece], material: Material, length: float) -> tuple[BeamPiece, ...]:
-    """The pieces of a beam of one material; raises ValidationError when they do not cover its length."""
+def beam_pieces(
+    layout: Sequence[SectionPiece],
+    material: Material,
+    length: float,
+    rotary_inertia: bool = False,
+    shear: Shear | None = None,
+) -> tuple[BeamPiece, ...]:
+    """The pieces of a beam of one material; raises ValidationError when they do not cover its length.
+
+    With rotary inertia and shear if these are asked for.
+    """
     ends = _piece_ends(layout, length)
     starts = [0.0, *ends[:-1]]
     pieces = []
@@ -89,16 +109,50 @@ def beam_pieces(layout: Sequence[SectionPiece], material: Material, length: floa
                 start,
                 end,
                 tuple(area * material.density),
-                _stiffness(second_moment, material),
-                _tuple(height),
+                tuple(second_moment * material.youngs_modulus),
+                None if height is None else tuple(height),
+                tuple(second_moment * material.density) if rotary_inertia else None,
+                tuple(area * _sheared_modulus(part.section, material, shear)) if shear else None,
             )
         )
     return tuple(pieces)
 
 
-def uniform_piece(length: float, mass_per_length: float, bending_stiffness: float) -> BeamPiece:
+def uniform_piece(
+    length: float,
+    mass_per_length: float,
+    bending_stiffness: float,
+    rotary_inertia: float | None = None,
+    shear_stiffness: float | None = None,
+) -> BeamPiece:
     """One piece of constant properties, without a known height."""
-    return BeamPiece(0.0, length, (mass_per_length,), (bending_stiffness,), None)
+    options = [None if value is None else (value,) for value in (rotary_inertia, shear_stiffness)]
+    return BeamPiece(0.0, length, (mass_per_length,), (bending_stiffness,), None, *options)
+
+
+def _sheared_modulus(section: Taper, material: Material, shear: Shear) -> float:
+    """kappa G [Pa]."""
+    if shear.shear_stiffness is not None:
+        reject(("shear", "shear_stiffness"), "is for a beam of mass_per_length and bending_stiffness")
+    E, nu, G = material.youngs_modulus, material.poissons_ratio, material.shear_modulus
+    if nu is None:
+        if G is None:
+            reject(("material",), "needs 'poissons_ratio' or 'shear_modulus' for a beam with shear")
+        nu = 0.5 * E / G - 1.0  # of an isotropic material
+    if G is None:
+        G = 0.5 * E / (1.0 + nu)
+    kappa = shear.shear_coefficient
+    if kappa is None and not -1.0 < nu <= 0.5:
+        text = (
+            f"this material of E / G = {E / G:.3g} is not isotropic: write shear: {{shear_coefficient: ...}}"
+        )
+        reject(("shear",), text)
+    if kappa is None:
+        kappa = shear_coefficient(section.start, section.end, nu)
+    if kappa is None:
+        text = "a 'general' section has no known shear coefficient: write shear: {shear_coefficient: ...}"
+        reject(("shear",), text)
+    return kappa * G
 
 
 def _piece_ends(layout: Sequence[SectionPiece], length: float) -> list[float]:
@@ -118,11 +172,3 @@ def _piece_ends(layout: Sequence[SectionPiece], length: float) -> list[float]:
         message = f"the last piece must end with the beam at {length:g}, ends at {last:g}"
         reject(("section", len(layout) - 1, "until"), message)
     return [*ends, length]
-
-
-def _stiffness(second_moment: Polynomial, material: Material) -> tuple[float, ...]:
-    return tuple(second_moment * material.youngs_modulus)
-
-
-def _tuple(polynomial: Polynomial | None) -> tuple[float, ...] | None:
-    return None if polynomial is None else tuple(polynomial)

@@ -1,4 +1,8 @@
-"""Cross-sections of beams. Heights lie in the plane of bending."""
+"""Cross-sections of beams. Heights lie in the plane of bending.
+
+Shear coefficients kappa: G. R. Cowper, The shear coefficient in Timoshenko's beam theory, Journal of Applied Mechanics
+33 (1966), pp. 335-340; nu is Poisson's ratio.
+"""
 
 from math import pi
 from typing import Annotated, Literal, NamedTuple
@@ -32,6 +36,10 @@ class Rectangle(Part):
         """Of dimensions that may vary along the beam."""
         return SectionProperties(width * height, width * height**3 / 12.0, height)
 
+    def shear_coefficient(self, nu: float) -> float:
+        """kappa."""
+        return 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu)
+
 
 class Circle(Part):
     """A full circle."""
@@ -44,6 +52,10 @@ class Circle(Part):
     def properties(diameter: Polynomial) -> SectionProperties:
         """Of dimensions that may vary along the beam."""
         return SectionProperties(diameter**2 * (pi / 4.0), diameter**4 * (pi / 64.0), diameter)
+
+    def shear_coefficient(self, nu: float) -> float:
+        """kappa."""
+        return 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu)
 
 
 class Tube(Part):
@@ -69,6 +81,12 @@ class Tube(Part):
         """Of dimensions that may vary along the beam."""
         area = (outer_diameter**2 - inner_diameter**2) * (pi / 4.0)
         return SectionProperties(area, (outer_diameter**4 - inner_diameter**4) * (pi / 64.0), outer_diameter)
+
+    def shear_coefficient(self, nu: float) -> float:
+        """kappa."""
+        hole = (self.inner_diameter / self.outer_diameter) ** 2
+        ring = (1.0 + hole) ** 2
+        return 6.0 * (1.0 + nu) * ring / ((7.0 + 6.0 * nu) * ring + (20.0 + 12.0 * nu) * hole)
 
 
 class IBeam(Part):
@@ -104,6 +122,26 @@ class IBeam(Part):
         area = flange_width * height - gap * web_height
         return SectionProperties(area, (flange_width * height**3 - gap * web_height**3) / 12.0, height)
 
+    def shear_coefficient(self, nu: float) -> float:
+        """kappa of thin walls; the web reaches from the middle of one flange to that of the other."""
+        web = self.height - self.flange_thickness
+        n = self.flange_width / web
+        m = 2.0 * n * self.flange_thickness / self.web_thickness
+        return (
+            10.0
+            * (1.0 + nu)
+            * (1.0 + 3.0 * m) ** 2
+            / (
+                12.0
+                + 72.0 * m
+                + 150.0 * m**2
+                + 90.0 * m**3
+                + nu * (11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3)
+                + 30.0 * n**2 * (m + m**2)
+                + 5.0 * nu * n**2 * (8.0 * m + 9.0 * m**2)
+            )
+        )
+
 
 class General(Part):
     """A section that is known by its properties alone."""
@@ -119,6 +157,18 @@ class General(Part):
 
 Section = Rectangle | Circle | Tube | IBeam | General
 SectionField = Annotated[Section, Field(discriminator="type")]
+
+
+def shear_coefficient(start: Section, end: Section, nu: float) -> float | None:
+    """kappa, of a taper that in its middle; None if the section is known by its properties alone."""
+    if isinstance(start, General):
+        return None
+    middle = {
+        name: 0.5 * (getattr(start, name) + getattr(end, name))
+        for name in type(start).model_fields
+        if name != "type"
+    }
+    return start.model_copy(update=middle).shear_coefficient(nu)
 
 
 def section_properties(start: Section, end: Section, length: float) -> SectionProperties:

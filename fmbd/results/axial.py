@@ -36,11 +36,10 @@ def axial_forces(forces: Forces, name: str, x: Array) -> tuple[Array, Array]:
     motion = forces.motion
     beyond = _weight_less_inertia(motion, name, x) + _distributed(motion, name, x)
     before, after = beyond, beyond.copy()
-    body = motion.system.model.bodies[name]
-    for point, mass in body.point_masses.items():
-        at = body.points[point]
-        force = mass.mass * (complex(*motion.system.model.gravity) - motion.point(name, point).place[2])
-        _add(before, after, x, at, force)
+    places, masses = _point_masses(motion, name)
+    per_mass = complex(*motion.system.model.gravity) - motion.beam_accelerations(name, places)
+    for at, mass, field in zip(places, masses, per_mass.T, strict=True):
+        _add(before, after, x, float(at), mass * field)
     for at, force in point_forces(forces, name):
         _add(before, after, x, at, force)
     along = np.exp(-1j * (motion.frame(name).angle[0][:, None] + motion.slope(name, x)))
@@ -85,9 +84,22 @@ def _add(before: Plane, after: Plane, x: Array, at: float, force: Plane) -> None
     after[:, x < at] += force[:, None]
 
 
+def _point_masses(motion: Motion, name: str) -> tuple[Array, Array]:
+    """Positions [m] and masses [kg] of the point masses of a beam, those of lumped mass included."""
+    lowered = motion.system.lowered
+    parts = []
+    for segment in lowered.segmentation.beams[name]:
+        own = motion.system.beams[lowered.body_index[segment.body]].point_masses
+        parts.append(own + np.array([segment.start, 0.0]))
+    places, masses = np.concatenate(parts).T
+    return places, masses
+
+
 def _weight_less_inertia(motion: Motion, name: str, x: Array) -> Plane:
     """int (g - a) dm from x to the end, point masses left out, shape (nt, n)."""
     beam = motion.system.model.bodies[name]
+    if beam.mass == "lumped":
+        return np.zeros((len(motion.time), x.size), complex)
     breaks = np.unique(np.concatenate([beam.nodes, [piece.start for piece in beam.pieces[1:]], x]))
     # the shortening is of degree 5 within an element
     points, weights = gauss_points(breaks, 5 + degree(beam.pieces, "mass_per_length"))

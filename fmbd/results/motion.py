@@ -78,7 +78,7 @@ class Motion:
         return self._frames[body]
 
     def point(self, body: str, point: str) -> Track:
-        """A point of a body or of the ground, with its axes; that of a beam turns with its slope."""
+        """A point of a body or of the ground, with its axes; that of a beam turns with its cross-section."""
         body, point = self.system.lowered.segmentation.place(body, point)
         return self._frames[body].followed_by(self._local(body, point))
 
@@ -131,6 +131,14 @@ class Motion:
 
         return self._mean(body, x, angle)
 
+    def section_acceleration(self, body: str, x: Array) -> Array:
+        """Angular acceleration [rad/s^2] of the cross-sections of a beam at positions x [m] (n,), shape (nt, n)."""
+
+        def turned(segment: str, local: Array) -> Array:
+            return self._frames[segment].angle[2][:, None] + self._rows(segment, local, FloatingBeam.slope, 2)
+
+        return self._mean(body, x, turned)
+
     def along(self, body: str, x: Array, rows: Rows) -> Array:
         """Rows at positions x [m] (n,) of a beam times its elastic coordinates, shape (nt, n).
 
@@ -145,9 +153,10 @@ class Motion:
             count[here] += 1.0
         return total / count
 
-    def _rows(self, segment: str, local: Array, rows: Rows) -> Array:
+    def _rows(self, segment: str, local: Array, rows: Rows, order: int = 0) -> Array:
+        """Rows times the elastic coordinates of a segment, or times a derivative of them by time."""
         index = self.system.lowered.body_index[segment]
-        return self._elastic(segment)[0] @ rows(self.system.beams[index], local).T
+        return self._elastic(segment)[order] @ rows(self.system.beams[index], local).T
 
     def _place_beam(self, name: str) -> Track:
         """The frame of a beam in segments: the tangent at its start, or the line through both ends."""

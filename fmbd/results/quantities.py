@@ -12,8 +12,10 @@
                                             in the world's axes and about that point
     <joint>.<x|y>.driving_force, .angle.driving_moment      what moves a driven coordinate, positive along it
     <joint>.<x|y>.spring_force, .friction_force, .stop_force, .angle.spring_moment, ...     the same of these
-    <beam>.deflection, .slope               w and w' in that frame (in segments: the angle); columns are the nodes
-    <beam>.bending_moment, .shear_force     EI w'' and (EI w'')'; columns are the nodes (see beams.bending)
+    <beam>.deflection, .slope               w and the angle of the cross-sections, w' unless the beam shears, in that
+                                            frame; columns are the nodes
+    <beam>.bending_moment, .shear_force     EI w'' and (EI w'')'; columns are the nodes (see beams.bending). Rotary
+                                            inertia takes rho I times the angular acceleration off the latter
     <beam>.axial_force                      tension, by Newton's law on what lies beyond (see axial.py)
     <beam>.stress                           bending stress -E h/2 w'' in the fibre y = h/2
     <beam>.<point>.deflection, ...          the same six at a point
@@ -37,6 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fmbd.beams.bending import bending_moment, shear_force, upper_stress
+from fmbd.beams.pieces import evaluate
 from fmbd.errors import UnknownQuantity
 from fmbd.model import Beam, Model
 from fmbd.model.names import closest
@@ -214,7 +217,7 @@ def _beam(name: str, beam: Beam) -> Named:
         "deflection": ("m", lambda run, x: run.motion.deflection(name, x)),
         "slope": ("rad", lambda run, x: run.motion.slope(name, x)),
         "bending_moment": ("N m", lambda run, x: run.motion.along(name, x, bending_moment)),
-        "shear_force": ("N", lambda run, x: run.motion.along(name, x, shear_force)),
+        "shear_force": ("N", partial(_shear_force, name, beam)),
         "axial_force": ("N", partial(_axial_force, name)),
     }
     if beam.youngs_modulus is not None and all(piece.height is not None for piece in beam.pieces):
@@ -223,6 +226,14 @@ def _beam(name: str, beam: Beam) -> Named:
     for place, (x, columns) in places.items():
         for quantity, (unit, values) in along.items():
             yield f"{place}.{quantity}", Quantity(unit, partial(_along, values, x, bool(columns)), columns)
+
+
+def _shear_force(name: str, beam: Beam, run: "Run", x: Array) -> Array:
+    shear = run.motion.along(name, x, shear_force)
+    if beam.rotary_inertia and not beam.shear and beam.mass == "consistent":
+        both = [evaluate(beam.pieces, "rotary_inertia", x, side=side) for side in ("left", "right")]
+        shear -= np.mean(both, axis=0) * run.motion.section_acceleration(name, x)
+    return shear
 
 
 def _axial_force(name: str, run: "Run", x: Array) -> Array:

@@ -89,11 +89,10 @@ def lower_bodies(out: Any, distributed: Sequence[dict[str, Any]]) -> dict[str, A
             across = rows.add(beam.shape(x))
             along = rows.bend(shortening.at(x)) if shortening else -1
             stations[k] = (i, x, 0.0, 0.0, across, slope, along)
-        for point, mass in part.point_masses.items():
-            if mass.inertia > 0.0:
-                row = rows.add(beam.slope(part.points[point]))
-                if row >= 0:
-                    inertias.append((i, row, mass.inertia))
+        for turning in beam.turning:
+            row = rows.add(turning)
+            if row >= 0:
+                inertias.append((i, row, 1.0))
         for load in distributed:
             if load["on"] == link.name:
                 length, moment, shape = beam.load_moments(load["from"], load["to"])

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.beams import FloatingBeam, Foreshortening, floating_beam
+from fmbd.beams import BeamPiece, FloatingBeam, Foreshortening, floating_beam
+from fmbd.beams.lumping import lumped
 from fmbd.beams.truncation import truncate
 from fmbd.model import Beam, Model, Placement
 from fmbd.model.beam import UpTo
@@ -90,7 +91,11 @@ def _name_bodies(out: Lowered) -> None:
         if isinstance(body, Beam):
             name, segment = segments[link.name]
             masses = [(body.points[point], m.mass, m.inertia) for point, m in body.point_masses.items()]
-            beam = floating_beam(body.pieces, np.asarray(body.nodes, float), body.frame, masses)
+            pieces: Sequence[BeamPiece] = body.pieces
+            if body.mass == "lumped":
+                pieces, lumps = lumped(pieces, body.nodes)
+                masses += lumps
+            beam = floating_beam(pieces, np.asarray(body.nodes, float), body.frame, masses)
             if body.modes != "all":
                 count = _count_modes(out.model, link.name, body.modes, beam)
                 out.truncations[link.name] = truncate(beam, count)

@@ -10,7 +10,7 @@ systems, International Journal for Numerical Methods in Engineering 26, 1988, pp
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from typing import Any
 
@@ -127,16 +127,15 @@ def _piece(piece: BeamPiece, x0: float, x1: float) -> BeamPiece:
     start = max(piece.start, x0)
     along = Polynomial([start - piece.start, 1.0])
 
-    def shifted(coefficients: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple(Polynomial(coefficients)(along).coef) if len(coefficients) > 1 else coefficients
+    def shifted(coefficients: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        if coefficients is None or len(coefficients) == 1:
+            return coefficients
+        return tuple(Polynomial(coefficients)(along).coef)
 
-    return BeamPiece(
-        start - x0,
-        min(piece.end, x1) - x0,
-        shifted(piece.mass_per_length),
-        shifted(piece.bending_stiffness),
-        None if piece.height is None else shifted(piece.height),
-    )
+    properties: dict[str, Any] = {
+        field.name: shifted(getattr(piece, field.name)) for field in fields(piece)[2:]
+    }
+    return replace(piece, start=start - x0, end=min(piece.end, x1) - x0, **properties)
 
 
 def _welds(cut: dict[str, tuple[Segment, ...]]) -> dict[str, Joint]:

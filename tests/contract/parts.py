@@ -94,12 +94,15 @@ def _signal(text: str) -> Sample:
 
 BEAM = """type: beam, length: 0.4, elements: 2, mass_per_length: 2, bending_stiffness: 4,
           points: {origin: 0.1, hand: 0.3, tip: 0.4}"""
+FINE = BEAM.replace("elements: 2", "elements: 6")
 SHORTENING = f"{BEAM}, frame: chord, foreshortening: true"
+THICK = "rotary_inertia: 0.005, shear: {shear_stiffness: 500}"
+POINT = "{mass: 0.1, inertia: 0.01}"
 TAPERED = """type: beam, length: 0.4, nodes: [0, 0.1, 0.4], material: foam,
              points: {origin: 0.1, hand: 0.3, tip: 0.4},
              section: [{until: 0.2, section: {start: thick, end: thin}}, {until: 0.4, section: thin}]"""
 FOAM = """
-materials: {foam: {density: 500, youngs_modulus: 1e7}}
+materials: {foam: {density: 500, youngs_modulus: 1e7, poissons_ratio: 0.3}}
 sections: {thick: {type: rectangle, width: 0.08, height: 0.04}, thin: {type: rectangle, width: 0.08, height: 0.02}}
 """
 DC = "type: dc, resistance: 2, torque_constant: 0.3, back_emf: 0.2"
@@ -289,6 +292,14 @@ initial: {joints: {}, rates: {hip: {x: 1}}}
     ),
     "bodies.beam mass damped": _body(f"{BEAM}, damping: {{mass_proportional: 20}}", "dissipated"),
     "bodies.beam tapered": _body(TAPERED, more=FOAM),
+    "bodies.beam rotary inertia": _body(f"{FINE}, rotary_inertia: 0.005, point_masses: {{hand: {POINT}}}"),
+    "bodies.beam thick": _body(f"{BEAM}, {THICK}, frame: chord"),
+    "bodies.beam thick tapered": _body(f"{TAPERED}, rotary_inertia: true, shear: true", more=FOAM),
+    "bodies.beam thick lumped": _body(f"{BEAM}, {THICK}, mass: lumped"),
+    "bodies.beam thick segments": _body(f"{BEAM}, {THICK}, segments: 2"),
+    "bodies.beam thick modes": _body(f"{BEAM}, {THICK}, modes: 2"),
+    "bodies.beam thick foreshortened": _body(f"{SHORTENING}, {THICK}"),
+    "bodies.beam lumped foreshortened": _body(f"{SHORTENING}, mass: lumped"),
     "bodies.beam foreshortened segments": _body(
         f"{SHORTENING}, segments: 2, point_masses: {{tip: {{mass: 0.1, inertia: 0.02}}, hand: 0.1}}"
     ),

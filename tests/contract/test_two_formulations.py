@@ -71,13 +71,22 @@ initial: {consistent: false}
 """
 
 
-@pytest.mark.parametrize("limit", [0.5, 1e3])
-def test_matrices_and_recursion_are_one_model(limit):
+THICK = {"rotary_inertia": 0.02, "shear": {"shear_stiffness": 300}}
+
+
+@pytest.mark.parametrize(
+    ("limit", "changes"),
+    [(0.5, {}), (1e3, {}), (0.5, THICK), (0.5, THICK | {"mass": "lumped"})],
+    ids=["limited", "free", "thick", "lumped"],
+)
+def test_matrices_and_recursion_are_one_model(limit, changes):
     """Every joint, spring, load, motor and controller at once: two formulations, one acceleration.
 
-    Reversed and tilted joints, both beam frames, point inertias, prescribed joints inside and before a loop.
+    Reversed and tilted joints, both beam frames, point inertias, prescribed joints inside and before a loop; beams with
+    rotary inertia, shear and lumped mass, too.
     """
-    system = assemble(load_model_text(EVERYTHING.replace("LIMIT", str(limit))))
+    overrides = {f"bodies.{beam}.{key}": value for beam in ("arm", "rod") for key, value in changes.items()}
+    system = assemble(load_model_text(EVERYTHING.replace("LIMIT", str(limit)), overrides=overrides))
     rng = np.random.default_rng(7)
     for t in (0.0, 0.37, 2.4):
         q, v = system.start.q + 0.1 * rng.normal(size=system.planar.nq), rng.normal(size=system.planar.nq)
@@ -90,8 +99,14 @@ def test_matrices_and_recursion_are_one_model(limit):
 
 @pytest.mark.parametrize(
     ("changes", "shortened", "size"),
-    [({}, 2, 0.005), ({"segments": 2, "damping": {}}, 4, 0.005), ({"modes": 3}, 2, 0.0005)],
-    ids=["whole", "segments", "modes"],
+    [
+        ({}, 2, 0.005),
+        ({"segments": 2, "damping": {}}, 4, 0.005),
+        ({"modes": 3}, 2, 0.0005),
+        (THICK, 2, 0.005),
+        (THICK | {"mass": "lumped"}, 2, 0.005),
+    ],
+    ids=["whole", "segments", "modes", "thick", "lumped"],
 )
 def test_beams_that_shorten_are_one_model_too(changes, shortened, size):
     """The same with foreshortening, at deflections that are small against the lengths; in segments, of few modes."""

@@ -23,6 +23,8 @@ class Piece:
     end: float
     mass_per_length: tuple[float, ...]
     bending_stiffness: tuple[float, ...]
+    rotary_inertia: tuple[float, ...] | None = None
+    shear_stiffness: tuple[float, ...] | None = None
 
 
 def uniform_beam(n, frame="clamped", length=1.0, mass=1.0, EI=1.0, point_masses=()):
@@ -296,6 +298,11 @@ steel = Piece(0, 1, (1,), (1,))
         (([Piece(0, 1, (0,), (1,))], [0, 1], "clamped", [(1, 2, 0)]), "needs a positive mass per length"),
         (([Piece(0, 1, (1, -2), (1,))], [0, 1]), "must not be negative"),
         (([Piece(0, 1, (1,), (0,))], [0, 1]), "bending stiffness must be positive"),
+        (([Piece(0, 1, (1,), (1,), None, (0,))], [0, 1]), "shear stiffness must be positive"),
+        (
+            ([Piece(0, 1, (1,), (1,), (0.1,)), Piece(1, 2, (1,), (1,))], [0, 2]),
+            "must have rotary inertia, or none",
+        ),
         (([steel], [0, 0.7, 0.6, 1]), "increasing positions"),
         (([steel], [0.1, 1]), "the first of them 0"),
         (([steel], [0, 2]), "without gaps"),

@@ -147,6 +147,13 @@ MISTAKES = [
     ("kd: 1.2", "limit: 0", "controllers.position_control.limit: must be positive, is 0"),
     ("kd: 1.2", "limit: [1, -1]", "controllers.position_control.limit: must be [low, high] with low < high"),
     ("gravity_compensation", "gravity_compensatin", "unknown signal 'gravity_compensatin', did you mean 'gravity_compen"),
+    # beam options
+    ("section: strip", "section: strip\n    shear: true", "bodies.rod_right.material: needs 'poissons_ratio' or 'shear_modulus'"),
+    ("section: strip", "section: strip\n    shear: {coefficient: 1}", "rod_right.shear: unknown key 'coefficient', did you mean 'shear_coeff"),
+    ("section: strip", "section: strip\n    shear: {shear_stiffness: 1}", "shear.shear_stiffness: is for a beam of mass_per_length and"),
+    ("section: strip", "section: strip\n    rotary_inertia: 0.1", "rod_right.rotary_inertia: is true or false for a beam of material"),
+    ("section: strip", "section: strip\n    mass: lump", "rod_right.mass: unknown choice 'lump', did you mean 'lumped'?"),
+    ("density: 2712", "density: 2712, poissons_ratio: 0.6", "aluminium.poissons_ratio: must lie above -1 and up to 0.5, is 0.6"),
     # start and simulation
     ("place: {effector: [0.1", "place: {rod_right.ende: [0.1", "initial.place: unknown point 'ende' of 'rod_right'"),
     ("{shoulder_right: 1.0", "{shoulder_right: {x: 1.0}", "hints.shoulder_right: 'x' is not a free coordinate"),

@@ -63,6 +63,29 @@ def test_a_modulus_in_the_wrong_unit():
     assert after[0].startswith("rod: bends by ") and "segments" in after[0]
 
 
+def test_a_thick_rod():
+    """Ten times as long as high is not; five times: (pi / 5)^2 / 24 (1 + 3) = 6.6 %, with rotary inertia 4.9 %."""
+
+    def said(height, **options):
+        steel = {
+            "materials": {"steel": {"density": 7850, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}},
+            "sections": {"bar": {"type": "rectangle", "width": 0.1, "height": height}},
+            "bodies.rod": {"type": "beam", "length": 1, "elements": 2, "material": "steel", "section": "bar"}
+            | options,
+        }
+        return warnings(**steel)[0]
+
+    assert said(0.099) == []
+    [line] = said(0.2)
+    assert line.startswith(
+        "rod: is only 5 times as long as high; give it `rotary_inertia: true` and `shear: true`"
+    )
+    assert line.endswith("by some 7%")
+    [line] = said(0.2, rotary_inertia=True)
+    assert "give it `shear: true`" in line and line.endswith("by some 5%")
+    assert said(0.2, rotary_inertia=True, shear=True) == []
+
+
 def test_a_heavy_load_along_the_rod():
     """Hung from it are 1.5 kg and its own 0.4 kg: 18.6 N at the top, against 3 EI / L^2 = 23.4 N."""
     _, after = warnings(**{"bodies.rod.point_masses": {"end": 1.5}})
