@@ -127,20 +127,10 @@ class IBeam(Part):
         web = self.height - self.flange_thickness
         n = self.flange_width / web
         m = 2.0 * n * self.flange_thickness / self.web_thickness
-        return (
-            10.0
-            * (1.0 + nu)
-            * (1.0 + 3.0 * m) ** 2
-            / (
-                12.0
-                + 72.0 * m
-                + 150.0 * m**2
-                + 90.0 * m**3
-                + nu * (11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3)
-                + 30.0 * n**2 * (m + m**2)
-                + 5.0 * nu * n**2 * (8.0 * m + 9.0 * m**2)
-            )
-        )
+        below = 12.0 + 72.0 * m + 150.0 * m**2 + 90.0 * m**3
+        below += nu * (11.0 + 66.0 * m + 135.0 * m**2 + 90.0 * m**3)
+        below += 30.0 * n**2 * (m + m**2) + 5.0 * nu * n**2 * (8.0 * m + 9.0 * m**2)
+        return 10.0 * (1.0 + nu) * (1.0 + 3.0 * m) ** 2 / below
 
 
 class General(Part):
