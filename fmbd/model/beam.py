@@ -94,6 +94,11 @@ class Beam:
         return self.pieces[0].shear_stiffness is not None
 
     @property
+    def stretch(self) -> bool:
+        """Whether the beam stretches."""
+        return self.pieces[0].axial_stiffness is not None
+
+    @property
     def stress_modulus(self) -> float | None:
         """Young's modulus [Pa] where stresses follow from bending: None without a section of known height."""
         return self.youngs_modulus if all(piece.height is not None for piece in self.pieces) else None
@@ -136,6 +141,10 @@ class BeamEntry(Part):
     """Whether cross-sections have inertia against turning (Rayleigh); a number, rho I [kg m], with mass_per_length."""
     shear: Annotated[Annotated[Flag, Tag("flag")] | Annotated[Shear, Tag("shear")], _flag_or("shear")] = False
     """Whether the beam shears (Timoshenko), or how: {shear_coefficient: ...} or {shear_stiffness: ...}."""
+    stretch: Annotated[
+        Annotated[Flag, Tag("flag")] | Annotated[Positive, Tag("number")], _flag_or("number")
+    ] = False
+    """Whether segments stretch (axial flexibility); a number, E A [N], with mass_per_length."""
     mass: Literal["consistent", "lumped"] = "consistent"
     """Mass distributed along the elements, or lumped at the nodes."""
     points: dict[Name, NotNegative] = Field(default_factory=dict)
@@ -160,6 +169,7 @@ class BeamEntry(Part):
         nodes = self._mesh()
         self._check_segments(len(nodes) - 1)
         self._check_modes(len(nodes) - 1)
+        self._check_stretch()
         points = self._named_points(nodes)
         for name in self.point_masses:
             if name not in points:
@@ -218,6 +228,12 @@ class BeamEntry(Part):
                 "belongs to the motion of the beam as a whole; in segments it can have 'stiffness_proportional' only",
             )
 
+    def _check_stretch(self) -> None:
+        if self.stretch and self.segments == 1:
+            reject(
+                ("stretch",), "is that of a beam's segments against each other: needs 'segments', 2 or more"
+            )
+
     def _check_modes(self, elements: int) -> None:
         if self.segments > 1 and self.modes != "all":
             reject(("modes",), "are those of a whole beam: a beam in segments has all of them")
@@ -266,18 +282,21 @@ class BeamEntry(Part):
                 also = "" if numbers else " (or mass_per_length and bending_stiffness)"
                 reject((), f"missing key '{key}'{also}")
         if self.material is not None and self.section is not None:
-            if not isinstance(self.rotary_inertia, bool):
-                reject(("rotary_inertia",), "is true or false for a beam of material and section")
+            for key in ("rotary_inertia", "stretch"):
+                if not isinstance(getattr(self, key), bool):
+                    reject((key,), "is true or false for a beam of material and section")
             shear = (Shear() if self.shear else None) if isinstance(self.shear, bool) else self.shear
-            return beam_pieces(self.section, self.material, self.length, self.rotary_inertia, shear)
+            options = bool(self.rotary_inertia), shear, bool(self.stretch)
+            return beam_pieces(self.section, self.material, self.length, *options)
         return (self._uniform_piece(),)
 
     def _uniform_piece(self) -> BeamPiece:
         """Of numbers by length."""
         assert self.mass_per_length is not None
         assert self.bending_stiffness is not None
-        if self.rotary_inertia is True:
-            reject(("rotary_inertia",), "must be a number, rho I [kg m], for a beam of mass_per_length")
+        for key, number in (("rotary_inertia", "rho I [kg m]"), ("stretch", "E A [N]")):
+            if getattr(self, key) is True:
+                reject((key,), f"must be a number, {number}, for a beam of mass_per_length")
         shear = self.shear.shear_stiffness if isinstance(self.shear, Shear) else None
         if self.shear and shear is None:
             reject(
@@ -285,5 +304,5 @@ class BeamEntry(Part):
             )
         if isinstance(self.shear, Shear) and self.shear.shear_coefficient is not None:
             reject(("shear", "shear_coefficient"), "is for a beam of material and section")
-        rotary = None if self.rotary_inertia is False else self.rotary_inertia
-        return uniform_piece(self.length, self.mass_per_length, self.bending_stiffness, rotary, shear)
+        rotary, axial = (None if value is False else value for value in (self.rotary_inertia, self.stretch))
+        return uniform_piece(self.length, self.mass_per_length, self.bending_stiffness, rotary, shear, axial)

@@ -18,8 +18,8 @@ LENGTH_TOLERANCE = 1e-9  # relative to the length: positions this close to an en
 class BeamPiece:
     """Properties between `start` and `end` [m]: polynomials in the distance from `start`, ascending powers.
 
-    `height` [m] in the plane of bending is None when it is not known, `rotary_inertia` rho I [kg m] and
-    `shear_stiffness` kappa G A [N] when the beam leaves them out.
+    `height` [m] in the plane of bending is None when it is not known, `rotary_inertia` rho I [kg m],
+    `shear_stiffness` kappa G A [N] and `axial_stiffness` E A [N] when the beam leaves them out.
     """
 
     start: float
@@ -29,6 +29,7 @@ class BeamPiece:
     height: tuple[float, ...] | None
     rotary_inertia: tuple[float, ...] | None = None
     shear_stiffness: tuple[float, ...] | None = None
+    axial_stiffness: tuple[float, ...] | None = None
 
 
 class Shear(Part):
@@ -94,10 +95,11 @@ def beam_pieces(
     length: float,
     rotary_inertia: bool = False,
     shear: Shear | None = None,
+    stretch: bool = False,
 ) -> tuple[BeamPiece, ...]:
     """The pieces of a beam of one material; raises ValidationError when they do not cover its length.
 
-    With rotary inertia and shear if these are asked for.
+    With rotary inertia, shear and axial flexibility (`stretch`) if these are asked for.
     """
     ends = _piece_ends(layout, length)
     starts = [0.0, *ends[:-1]]
@@ -113,6 +115,7 @@ def beam_pieces(
                 None if height is None else tuple(height),
                 tuple(second_moment * material.density) if rotary_inertia else None,
                 tuple(area * _sheared_modulus(part.section, material, shear)) if shear else None,
+                tuple(area * material.youngs_modulus) if stretch else None,
             )
         )
     return tuple(pieces)
@@ -124,9 +127,12 @@ def uniform_piece(
     bending_stiffness: float,
     rotary_inertia: float | None = None,
     shear_stiffness: float | None = None,
+    axial_stiffness: float | None = None,
 ) -> BeamPiece:
     """One piece of constant properties, without a known height."""
-    options = [None if value is None else (value,) for value in (rotary_inertia, shear_stiffness)]
+    options = [
+        None if value is None else (value,) for value in (rotary_inertia, shear_stiffness, axial_stiffness)
+    ]
     return BeamPiece(0.0, length, (mass_per_length,), (bending_stiffness,), None, *options)
 
 

@@ -2,8 +2,9 @@
 
 Linear theory within each segment, large rotations between them: what is left out falls with the square of their
 number. The frames of segments go through both of their ends, whatever that of the whole beam is: the error is a quarter
-of that of frames tangent at the start, and has even powers only. To the user it stays one beam; its segments are bodies
-`rod.segment1`, `rod.segment2`, ... of a second model, which is what is lowered.
+of that of frames tangent at the start, and has even powers only. A beam that stretches does so where its segments meet:
+each slides there on a spring, by what the halves beside it would stretch. To the user it stays one beam; its segments
+are bodies `rod.segment1`, `rod.segment2`, ... of a second model, which is what is lowered.
 
 Source of the method: S. C. Wu, E. J. Haug, Geometric non-linear substructuring for dynamics of flexible mechanical
 systems, International Journal for Numerical Methods in Engineering 26, 1988, pp. 2211-2226.
@@ -18,7 +19,9 @@ import numpy as np
 from numpy.polynomial.polynomial import Polynomial
 from numpy.typing import ArrayLike, NDArray
 
+from fmbd.beams.pieces import evaluate, gauss_points
 from fmbd.model import Beam, Joint, Model, RigidBody
+from fmbd.model.joints import Coordinate, JointSpring
 from fmbd.model.pieces import BeamPiece
 from fmbd.model.points import PointRef
 
@@ -81,7 +84,7 @@ def cut_beams(model: Model) -> Segmentation:
     built = replace(
         model,
         bodies=bodies,
-        joints=_moved(model.joints, "between", places) | _welds(cut),
+        joints=_moved(model.joints, "between", places) | _joints(model, cut),
         springs=_moved(model.springs, "between", places),
         loads=_loads(model, cut, places),
     )
@@ -138,14 +141,31 @@ def _piece(piece: BeamPiece, x0: float, x1: float) -> BeamPiece:
     return replace(piece, start=start - x0, end=min(piece.end, x1) - x0, **properties)
 
 
-def _welds(cut: dict[str, tuple[Segment, ...]]) -> dict[str, Joint]:
-    return {
-        f"{name}.weld{number}": Joint(
-            type="weld", between=(PointRef(before.body, "end"), PointRef(after.body, "start"))
-        )
-        for name, segments in cut.items()
-        for number, (before, after) in enumerate(pairwise(segments), 1)
-    }
+def _joints(model: Model, cut: dict[str, tuple[Segment, ...]]) -> dict[str, Joint]:
+    """What holds the segments of each beam together: welds, or slides on springs if it stretches."""
+    joints: dict[str, Joint] = {}
+    for name, segments in cut.items():
+        beam = model.bodies[name]
+        assert isinstance(beam, Beam)
+        for number, (before, after) in enumerate(pairwise(segments), 1):
+            between = PointRef(before.body, "end"), PointRef(after.body, "start")
+            if beam.stretch:
+                start = 0.0 if before is segments[0] else 0.5 * (before.start + before.end)
+                end = beam.length if after is segments[-1] else 0.5 * (after.start + after.end)
+                spring: dict[Coordinate, JointSpring] = {"x": _axial_spring(beam, start, end)}
+                joints[f"{name}.stretch{number}"] = Joint(type="prismatic", between=between, spring=spring)
+            else:
+                joints[f"{name}.weld{number}"] = Joint(type="weld", between=between)
+    return joints
+
+
+def _axial_spring(beam: Beam, start: float, end: float) -> JointSpring:
+    """Stiffness 1 / int dx / E A of a beam between two places [m], and its damping."""
+    breaks = np.array([start, *(p.start for p in beam.pieces if start < p.start < end), end])
+    # one over a polynomial: accurate enough at 8 points, since a piece does not taper to nothing
+    x, dx = gauss_points(breaks, 15)
+    stiffness = 1.0 / float(dx @ (1.0 / evaluate(beam.pieces, "axial_stiffness", x)))
+    return JointSpring(stiffness=stiffness, damping=beam.damping.stiffness_proportional * stiffness)
 
 
 def _moved(parts: dict[str, Any], key: str, places: dict[Place, Place]) -> dict[str, Any]:
