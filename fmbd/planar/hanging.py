@@ -126,12 +126,13 @@ def _take_in(
             z += weight * row.Vz
             c += weight * row.free
             column = index(parent.gram0 + (at - parent.row0) * parent.nrow)
+            for other in range(kind + 1):
+                beside = station_row(outer, other)
+                if beside >= 0:
+                    twice = 1.0 if other == kind else 2.0
+                    give += twice * weight * hang.b[k, other] * N[column + index(beside) - row0]
             for r in range(n):
                 hang_w[w0 + r] += weight * N[column + r]
-    for kind in range(3):
-        at = station_row(outer, kind)
-        if at >= 0:
-            give += hang.b[k, kind] * hang_w[w0 + index(at) - row0]
     share = 1.0 / (1.0 + d * give)
     phi = (gamma - d * c) * share
     hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = x, y, z

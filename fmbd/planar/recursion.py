@@ -34,13 +34,13 @@ def solve(sys: Any, work: Any, qdd: np.ndarray) -> int:
     """
     frames, rows, slots, block = work.frames, work.rows, work.slots, work.block
     slot_y, slot_v, reactions = work.slot_y, work.slot_v, work.reactions
-    _start(sys.bodies, frames)
     _clear_slots(slots, slot_y, block)
     for c in range(sys.constraints.size):
         path = sys.pathways[sys.constraints[c].pathway]
         constraint_columns(path, sys.terms, work.geometry, sys.stations, work.points, frames, slots, slot_y)
     for i in range(sys.bodies.size):
         b = sys.bodies[i]
+        _start(b, frames[i])
         if b.nf > 0:
             free_rows(b, work.R, work.f_eta, rows)
             N = work.N if b.first_hung >= 0 else work.gram
@@ -136,13 +136,11 @@ def solve(sys: Any, work: Any, qdd: np.ndarray) -> int:
 
 
 @part
-def _start(bodies: Any, frames: Any) -> None:
-    """Each body's own inertia about its frame's origin."""
-    for i in range(bodies.size):
-        b, f = bodies[i], frames[i]
-        f.Hxx, f.Hxy, f.Hyy, f.Hzz = b.mass, 0.0, b.mass, f.J
-        f.Hxz = -(f.s * f.mx + f.c * f.my)
-        f.Hyz = f.c * f.mx - f.s * f.my
+def _start(b: Any, f: Any) -> None:
+    """A body's own inertia about its frame's origin."""
+    f.Hxx, f.Hxy, f.Hyy, f.Hzz = b.mass, 0.0, b.mass, f.J
+    f.Hxz = -(f.s * f.mx + f.c * f.my)
+    f.Hyz = f.c * f.mx - f.s * f.my
 
 
 @part
@@ -199,11 +197,15 @@ def _eliminate_joint(b: Any, f: Any, slots: Any, block: np.ndarray) -> bool:
         if b.coordinate[d] < 0:
             continue
         sx, sy, sz = joint_direction(b, f, d)
-        hx, hy, hz = _times(f, sx, sy, sz)
-        D = sx * hx + sy * hy + sz * hz
+        if b.sliding == 0:
+            hx, hy, hz, u = b.sign * f.Hxz, b.sign * f.Hyz, b.sign * f.Hzz, b.sign * f.gz
+            D = f.Hzz
+        else:
+            hx, hy, hz = _times(f, sx, sy, sz)
+            D = sx * hx + sy * hy + sz * hz
+            u = sx * f.gx + sy * f.gy + sz * f.gz
         if not least < D:
             return False
-        u = sx * f.gx + sy * f.gy + sz * f.gz
         per_D = 1.0 / D
         f.U[d, 0], f.U[d, 1], f.U[d, 2] = hx, hy, hz
         f.per_D[d], f.u[d] = per_D, u

@@ -24,7 +24,8 @@ def rod(segments, EA=2.0e5, EI=50.0, length=2.0, m=3.0, joints=ROOT, shear="fals
 fmbd: 1
 bodies:
   rod: {{type: beam, length: {length}, elements: {segments}, segments: {segments}, mass_per_length: {m},
-         bending_stiffness: {EI}, stretch: {EA}, shear: {shear}, foreshortening: true, damping: {{stiffness_proportional: 1e-4}}}}
+         bending_stiffness: {EI}, stretch: {EA}, shear: {shear}, foreshortening: true,
+         damping: {{stiffness_proportional: 1e-4}}}}
 joints: {joints}
 {more}
 simulation: {{duration: 1}}
