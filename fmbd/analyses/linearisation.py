@@ -1,7 +1,7 @@
 """The equations of motion linearised about a state, in independent coordinates.
 
     J      derivative of (v, q'', z') by (q, v, z): the exact tangent of the implicit methods, constraints included;
-           by differences where beams shorten, for that is not in the tangent
+           by differences where beams shorten (dense_tangent.py)
     T      states (y, y', z) that the constraints allow, T (y, y', z) = (N y, N y' + E y, z); N^T M N = I (motions.py)
     A      x' = A x for x = (y, y', z): the motion in y = N^T M (q - q0), exact to first order
     W(S)   (S - A)^-1, the resolvent, solved body by body: vibrations of all speeds are right in it to round-off
@@ -16,9 +16,11 @@ from functools import cached_property
 import numpy as np
 
 from fmbd.analyses.arrangement import Arrangement
+from fmbd.analyses.dense_tangent import DenseTangent
 from fmbd.analyses.jacobians import pathway_rows
 from fmbd.analyses.motions import allowed_motions, to_nodal_basis
 from fmbd.errors import AnalysisError
+from fmbd.planar.residual import evaluate_residual
 from fmbd.planar.tangent import solve_linearised
 from fmbd.planar.tangent_arrays import allocate_tangent
 from fmbd.system.couplings import couplings
@@ -30,21 +32,22 @@ Array = np.ndarray
 SHIFT = 100.0
 _STEP = 1e-200  # of the complex derivative
 _TURN = 1e-3  # of the differences of gravity compensation [rad or m]
-_SMALL = 1e-4  # of those of accelerations, in elastic coordinates another tenth
 _DEPENDENT = 1e-10
 
 
 class Linearisation:
     """About nodal q, v (nq,) and z (nz,); f = `freedom` motions, nx = 2 f + number of first-order states.
 
+    inertial: whether the forces of inertia turn with what is accelerated, as they do; on the way to an equilibrium they
+    are in the way.
     Raises AnalysisError if a coordinate moves no mass.
     """
 
-    def __init__(self, arrangement: Arrangement, q: Array, v: Array, z: Array) -> None:
+    def __init__(self, arrangement: Arrangement, q: Array, v: Array, z: Array, inertial: bool = True) -> None:
         self.arrangement = arrangement
         self.system = system = arrangement.system
         planar = system.planar
-        self.state = q, v, z
+        self.state, self._inertial = (q, v, z), inertial
         self.basis = to_nodal_basis(system)
         self._modal = system.to_modal(q), system.to_modal(v), np.asarray(z, float)
         self.motions = allowed_motions(system, q, arrangement.t, arrangement.held)
@@ -176,26 +179,26 @@ class Linearisation:
         """U of (S - J) U = R with `force` (nq, k) on the coordinates, shafts let go, no gravity compensated online."""
         rates = np.zeros((self._modal[2].size, Rq.shape[1]))
         rates[self.states] = Rz
-        if self._shortening:
-            R = np.vstack([Rq, Rv + self._accelerated(force), rates])
-            return self._parts(np.linalg.solve(S * np.eye(len(R)) - self._differences, R))
         x, z = self._columns((1.0 / S, 1.0, S, 1.0 / S), -Rq, -S * Rq - Rv, force, rates)
         return x / S, x - Rq, z[self.states]
 
     def _accelerated(self, force: Array) -> Array:
         """q'' (nq, k) by forces."""
-        if self._shortening:
-            return self._dense_inverse @ force
         none = np.zeros((self._modal[2].size, force.shape[1]))
         return self._columns((0.0, 0.0, 1.0, 0.0), 0.0 * force, 0.0 * force, force, none)[0]
 
     def _columns(
         self, weights: tuple[float, ...], v0: Array, a0: Array, force: Array, rates: Array
     ) -> tuple[Array, Array]:
-        """Column by column, what fmbd.planar.tangent.solve_linearised gives: x (nq, k) and dz (nz, k)."""
+        """What fmbd.planar.tangent.solve_linearised gives, or differences do: x (nq, k) and dz (nz, k)."""
         system, (q, v, z) = self.system, self._modal
+        if self._shortening:
+            return self._dense.columns(weights, v0, a0, force, rates)
         self.arrangement.rates(q, v, z)  # leaves in `work` what the tangent is taken of
         x, dz = np.zeros_like(v0.T), np.zeros_like(rates.T)
+        if not self._inertial:
+            none, residual, slopes = np.zeros_like(q), np.zeros_like(q), np.zeros_like(z)
+            evaluate_residual(system.planar, system.work, self.arrangement.t, q, v, z, slopes, none, residual)
         given = [np.ascontiguousarray(part.T) for part in (v0, a0, force, rates)]
         w = np.array(weights)
         for k in range(len(x)):
@@ -205,37 +208,10 @@ class Linearisation:
                 raise AnalysisError("the equations of motion cannot be solved here: the position is singular")
         return x.T, dz.T
 
-    def _parts(self, U: Array) -> tuple[Array, Array, Array]:
-        """q, v and the states that count of U (2 nq + nz, k)."""
-        n = self.system.planar.nq
-        return U[:n], U[n : 2 * n], U[2 * n :][self.states]
-
     @cached_property
-    def _dense_inverse(self) -> Array:
-        """Accelerations by unit forces, constraints included, shape (nq, nq)."""
-        M, A = self.motions.M, self._constraints
-        free = np.linalg.inv(M)
-        return free - free @ A.T @ np.linalg.pinv(A @ free @ A.T, rcond=_DEPENDENT) @ A @ free
-
-    @cached_property
-    def _differences(self) -> Array:
-        """J, shape (2 nq + nz, 2 nq + nz), by central differences of accelerations, extrapolated once."""
-        n = self.system.planar.nq
-        state = np.concatenate(self._modal)
-        steps = np.full(state.size, _SMALL)
-        steps[np.flatnonzero(np.tile(self.system.elastic, 2))] *= 0.1
-        J = np.zeros((state.size, state.size))
-        J[:n, n : 2 * n] = np.eye(n)
-        for k, step in enumerate(steps):
-            e = step * np.eye(state.size)[k]
-            near, far = (self._rates(state + m * e) - self._rates(state - m * e) for m in (1.0, 2.0))
-            J[n:, k] = (8.0 * near - far) / (12.0 * step)
-        return J
-
-    def _rates(self, state: Array) -> Array:
-        """Accelerations and rates of the states."""
-        n = self.system.planar.nq
-        return np.concatenate(self.arrangement.rates(state[:n], state[n : 2 * n], state[2 * n :]))
+    def _dense(self) -> DenseTangent:
+        scratch = self.motions.M, self._constraints, self._inertial
+        return DenseTangent(self.arrangement, *self._modal, *scratch)
 
     def _compensation(self) -> dict[int, Array]:
         """Of motors whose gravity compensation is computed online, how their input changes with q: {motor: (nq,)}."""

@@ -34,7 +34,7 @@ _STAGES = 50  # in which driven joints are brought to their places
 
 def come_to_rest(arrangement: Arrangement, q: Array, z: Array) -> tuple[Linearisation, int]:
     """The linearisation at the equilibrium, and the steps that it took, from nodal q (nq,) and states z (nz,)."""
-    lin = Linearisation(arrangement, q, np.zeros_like(q), z)
+    lin = Linearisation(arrangement, q, np.zeros_like(q), z, inertial=False)
     last = False
     for taken in range(1, ITERATIONS + 1):
         stiffness, _ = tangent_stiffness(lin)
@@ -58,7 +58,8 @@ def _step(lin: Linearisation, u: Array, cautious: bool) -> Linearisation:
     share = min(1.0, 1.0 / max(_length(arrangement.system, q, dq), 1e-300))
     while True:
         try:
-            there = Linearisation(arrangement, _closed(arrangement, q + share * dq, q), v, z + share * dz)
+            closed = _closed(arrangement, q + share * dq, q)
+            there = Linearisation(arrangement, closed, v, z + share * dz, inertial=False)
             if not cautious or share < LEAST or _nearer(lin, there, u, share):
                 return there
         except AnalysisError:
@@ -92,7 +93,7 @@ def _listed(names: tuple[str, ...]) -> str:
 def _nearer(lin: Linearisation, there: Linearisation, u: Array, share: float) -> bool:
     """Whether the step that would follow, by the same tangent, is shorter (Deuflhard's natural monotonicity)."""
     f = lin.freedom
-    pull = lin.motions.N.T @ lin.motions.M @ there.acceleration
+    pull = lin.motions.N.T @ there.motions.M @ there.acceleration
     b = np.concatenate([np.zeros(f), pull, there.state_rates[there.states]])
     return bool(np.linalg.norm(damped_step(lin, 0.0, b)) <= (1.0 - 0.25 * share) * np.linalg.norm(u))
 
