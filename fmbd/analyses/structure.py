@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fmbd.analyses.jacobians import pathway_rows
+from fmbd.planar.arrays import rigid_joints
 from fmbd.system import System
 
 Array = np.ndarray
@@ -41,7 +42,7 @@ def mobility(system: System, q: Array | None = None, t: float = 0.0) -> Mobility
     planar = system.planar
     Phi_q = pathway_rows(system, system.start.q if q is None else q, t)[planar.constraints["pathway"]]
     kept = independent_rows(Phi_q)
-    joints = planar.bodies["coordinate"][planar.bodies["rotor"] == 0]
+    joints = rigid_joints(planar.bodies)
     joints = joints[joints >= 0]
     held = Phi_q[planar.held][:, joints]
     return Mobility(

@@ -118,7 +118,9 @@ def modes(
     lin = about_.linearisation
     poles, x = _poles(lin)
     shapes = lin.directions(x)[0]
-    largest = np.abs(shapes).argmax(axis=0) if shapes.size else np.zeros(0, int)
+    # the first of the large ones: of two that are equal round-off would choose another in the next mesh
+    large = np.abs(shapes) > 0.9 * np.abs(shapes).max(axis=0, initial=0.0)
+    largest = large.argmax(axis=0) if shapes.size else np.zeros(0, int)
     scale = shapes[largest, np.arange(poles.size)]
     scale = np.where(np.abs(scale) > 0.0, scale, 1.0)
     return Modes(

@@ -20,6 +20,7 @@ BODY = np.dtype(
         ("outer", "i8"),  # station on the parent
         ("inner", "i8"),  # station on this body
         ("rotor", "i8"),  # 1: the rotor of a motor
+        ("seam", "i8"),  # 1: a joint between segments of a beam carries it: what moves there is elastic
         ("sign", "f8"),  # +1: the joint's first point is on the parent; -1: on this body
         ("axis_c", "f8"),
         ("axis_s", "f8"),  # direction of the joint's x axis in its first point's frame
@@ -280,7 +281,7 @@ def allocate(system: Planar) -> Work:
     """Scratch arrays for `system`; the frames of ground stations are set here, once."""
     hung = system.bodies[system.bodies["hang"] >= 0]
     carriers = system.bodies[hung["parent"]]
-    moving = system.bodies["coordinate"][system.bodies["rotor"] == 0]
+    moving = rigid_joints(system.bodies)
     joint_coordinates = int((moving >= 0).sum()) if system.online_compensation else 0
     holding = system.motors.size + system.held.size + 1
     work = Work(
@@ -316,6 +317,11 @@ def allocate(system: Planar) -> Work:
             work.points[k].x, work.points[k].y = station["ax"], station["ay"]
             work.points[k].angle = station["angle"]
     return work
+
+
+def rigid_joints(bodies: Any) -> np.ndarray:
+    """Coordinates (n, 3) of the joints of the rigid mechanism, -1: none; rotors and beams that stretch left out."""
+    return np.asarray(bodies["coordinate"][(bodies["rotor"] == 0) & (bodies["seam"] == 0)])
 
 
 def records(count: int, dtype: np.dtype) -> Any:

@@ -35,6 +35,8 @@ def compensate_gravity(sys: Any, work: Any, q: np.ndarray) -> None:
         b = sys.bodies[i]
         for k in range(b.first_q, b.first_q + b.nf):
             work.rigid_q[k] = 0.0
+        if b.seam == 1 and b.coordinate[0] >= 0:
+            work.rigid_q[b.coordinate[0]] = 0.0
     kinematics(sys, work, work.rigid_q, work.rigid_v)
     pathways(sys, work)
     m = sys.motors.size
@@ -87,7 +89,7 @@ def _project(bodies: Any, frames: Any, wrench: np.ndarray, out: np.ndarray) -> N
             wrench[b.parent, 0] += fx
             wrench[b.parent, 1] += fy
             wrench[b.parent, 2] += moment
-        if b.rotor == 1:
+        if b.rotor == 1 or b.seam == 1:
             continue
         for d in range(3):
             if b.coordinate[d] >= 0:

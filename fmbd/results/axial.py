@@ -36,10 +36,8 @@ def axial_forces(forces: Forces, name: str, x: Array) -> tuple[Array, Array]:
     motion = forces.motion
     beyond = _weight_less_inertia(motion, name, x) + _distributed(motion, name, x)
     before, after = beyond, beyond.copy()
-    places, masses = _point_masses(motion, name)
-    per_mass = complex(*motion.system.model.gravity) - motion.beam_points(name, places)[2]
-    for at, mass, field in zip(places, masses, per_mass.T, strict=True):
-        _add(before, after, x, float(at), mass * field)
+    for at, force in _point_masses(motion, name):
+        _add(before, after, x, at, force)
     for at, force in point_forces(forces, name):
         _add(before, after, x, at, force)
     along = np.exp(-1j * (motion.frame(name).angle[0][:, None] + motion.slope(name, x)))
@@ -84,15 +82,14 @@ def _add(before: Plane, after: Plane, x: Array, at: float, force: Plane) -> None
     after[:, x < at] += force[:, None]
 
 
-def _point_masses(motion: Motion, name: str) -> tuple[Array, Array]:
-    """Positions [m] and masses [kg] of the point masses of a beam, those of lumped mass included."""
-    lowered = motion.system.lowered
-    parts = []
+def _point_masses(motion: Motion, name: str) -> Iterator[tuple[float, Plane]]:
+    """Position [m] and weight less inertia [N] (nt,) of the point masses of a beam, those of lumped mass included."""
+    lowered, gravity = motion.system.lowered, complex(*motion.system.model.gravity)
     for segment in lowered.segmentation.beams[name]:
-        own = motion.system.beams[lowered.body_index[segment.body]].point_masses
-        parts.append(own + np.array([segment.start, 0.0, 0.0]))
-    places, masses, _ = np.concatenate(parts).T
-    return places, masses
+        x, masses, _ = motion.system.beams[lowered.body_index[segment.body]].point_masses.T
+        forces = masses * (gravity - motion.segment_points(segment.body, x)[2])
+        for at, force in zip(x, forces.T, strict=True):
+            yield segment.start + float(at), force
 
 
 def _weight_less_inertia(motion: Motion, name: str, x: Array) -> Plane:

@@ -26,11 +26,11 @@ def momentum(motion: Motion, body: str) -> tuple[Plane, Array]:
     p, L = np.zeros(len(motion.time), complex), np.zeros(len(motion.time))
     for segment in motion.system.lowered.segmentation.beams[body]:
         x, mass, inertia = _masses(motion.system.beams[motion.system.lowered.body_index[segment.body]])
-        place, velocity, _ = motion.beam_points(body, segment.start + x)
+        place, velocity, _ = motion.segment_points(segment.body, x)
         along = mass * velocity
         p += along.sum(axis=1)
         L += _moment(place, along).sum(axis=1)
-        L += motion.section_angle(body, segment.start + x, 1) @ inertia
+        L += motion.segment_angle(segment.body, x, 1) @ inertia
     return p, L
 
 

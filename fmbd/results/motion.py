@@ -97,8 +97,16 @@ class Motion:
         """Jets of points of the deflected axis of a beam at positions x [m] (n,), shape (3, nt, n)."""
         out = np.empty((3, len(self.time), x.size), complex)
         for segment, here, local in self.system.lowered.segmentation.at(body, x):
-            out[..., here] = self._carried(segment.body, self._axis(segment.body, local))
+            out[..., here] = self.segment_points(segment.body, local)
         return out
+
+    def segment_points(self, segment: str, x: Array) -> PlaneJet:
+        """Jets of points of the axis of a beam, or of one segment of it, at its own positions x [m] (n,)."""
+        return self._carried(segment, self._axis(segment, x))
+
+    def segment_angle(self, segment: str, x: Array, order: int) -> Array:
+        """Derivative by time [rad/s^order] of the angles of its cross-sections there, shape (nt, n)."""
+        return self._frames[segment].angle[order][:, None] + self._rows(segment, x, FloatingBeam.slope, order)
 
     def fixed_points(self, body: str, local: NDArray[np.complex128]) -> PlaneJet:
         """Jets of points given in the frame of a body (n,), shape (3, nt, n)."""
@@ -130,12 +138,7 @@ class Motion:
 
     def section_angle(self, body: str, x: Array, order: int) -> Array:
         """Derivative by time [rad/s^order] of the angles of a beam's cross-sections at x [m] (n,), shape (nt, n)."""
-
-        def turned(segment: str, local: Array) -> Array:
-            slopes = self._rows(segment, local, FloatingBeam.slope, order)
-            return self._frames[segment].angle[order][:, None] + slopes
-
-        return self._mean(body, x, turned)
+        return self._mean(body, x, lambda segment, local: self.segment_angle(segment, local, order))
 
     def along(self, body: str, x: Array, rows: Rows) -> Array:
         """Rows at positions x [m] (n,) of a beam times its elastic coordinates, shape (nt, n).

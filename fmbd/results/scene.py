@@ -52,6 +52,7 @@ class Item:
       motor     a joint with a motor
     other: of a joint the other body
     straight: ends of the axis of a beam before it bends, shape (nt, 2): from them a deflection is exaggerated
+    along: where the points of a beam are, in lengths from its start, shape (n,)
     mesh: of a body with a mesh for looks; its outline are the points
     """
 
@@ -59,15 +60,16 @@ class Item:
     body: str
     points: Plane
     straight: Plane | None = None
+    along: Array | None = None
     other: str = ""
     mesh: Mesh | None = None
 
     def exaggerated(self, scale: float) -> "Item":
         """The item with `scale` times the deflection."""
-        if self.straight is None:
+        if self.straight is None or self.along is None:
             return self
         start, end = self.straight[:, :1], self.straight[:, 1:]
-        straight = start + (end - start) * np.linspace(0.0, 1.0, self.points.shape[1])
+        straight = start + (end - start) * self.along
         return replace(self, points=straight + scale * (self.points - straight))
 
 
@@ -142,7 +144,8 @@ def _parts(model: Model, motion: Motion) -> Iterator[Item]:
             continue
         points = piece.place(motion)[0]
         if piece.kind == "beam":
-            yield Item("beam", piece.body, points, straight(model, motion, piece.body))
+            along = np.array(piece.stations) / piece.stations[-1]
+            yield Item("beam", piece.body, points, straight(model, motion, piece.body), along)
         elif piece.kind == "spring":
             yield Item("spring", piece.body, points)
         else:

@@ -165,13 +165,15 @@ def _modes(system: System, names: Sequence[str], analysis: Analysis, _: Progress
 
 
 def _by_mode(found: "Modes", k: int, quantity: str, has_columns: bool) -> Array:
-    """The change of a quantity by a unit of a mode, and by a unit of its rate, of modal mass 1."""
+    """The change of a quantity by a unit of a mode of modal mass 1, of a velocity or momentum by a unit of its rate."""
     from fmbd.analyses.probe import Probe
 
     lin = found.base.linearisation
     y = lin.motions.N.T @ lin.motions.M @ lin.system.to_modal(found.shapes[k].real)
     y /= np.linalg.norm(y)
-    x = np.concatenate([y, y, np.zeros(lin.size - 2 * lin.freedom)])
+    still = np.zeros(lin.size - 2 * lin.freedom)
+    moves = not {"rate", "velocity", "momentum", "angular_momentum"}.isdisjoint(quantity.split("."))
+    x = np.concatenate([0.0 * y, y, still] if moves else [y, 0.0 * y, still])
     change = Probe(lin, [], [quantity]).by_state() @ x
     return _once(change if has_columns else change[0])
 

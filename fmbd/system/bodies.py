@@ -149,6 +149,7 @@ def _hold(out: Any, link: Any, body: Any, coordinate: dict[str, int]) -> None:
         body.coordinate[2] = coordinate[link.name]
         return
     joint = out.model.joints[link.joint]
+    body.seam = int(link.joint in out.segmentation.seams)
     body.axis_c, body.axis_s = joint.axis
     for d, direction in enumerate(DIRECTIONS):
         if direction in joint.driven:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fmbd.planar.arrays import ANGLE
+from fmbd.planar.arrays import ANGLE, rigid_joints
 from fmbd.system.lowered import Lowered
 
 Array = np.ndarray
@@ -36,9 +36,9 @@ class RigidMechanism:
         self.lowered = lowered
         self.reference = reference
         planar = lowered.planar
-        bodies = planar.bodies[planar.bodies["rotor"] == 0]
-        self.unknowns = np.sort(bodies["coordinate"][bodies["coordinate"] >= 0])
-        angles = bodies["coordinate"][:, 2]
+        joints = rigid_joints(planar.bodies)
+        self.unknowns = np.sort(joints[joints >= 0])
+        angles = joints[:, 2]
         self.is_angle = np.isin(self.unknowns, angles[angles >= 0])
 
     def equations(

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from fmbd.planar.arrays import Planar
+from fmbd.planar.arrays import Planar, rigid_joints
 from fmbd.system.applied import Paths, apply_loads, apply_motors, apply_springs
 from fmbd.system.reference import Reference
 
@@ -148,8 +148,10 @@ def gravity_compensation(system: _Mechanism, q: Array, t: float = 0.0) -> Array:
     x = np.append(q, t)
     for own in reference.inertia.elastic.values():
         x[own] = 0.0
+    seams = planar.bodies["coordinate"][planar.bodies["seam"] == 1]
+    x[seams[seams >= 0]] = 0.0
     bodies, stations = reference.frames(x[:-1], t)
-    joints = planar.bodies["coordinate"][planar.bodies["rotor"] == 0]
+    joints = rigid_joints(planar.bodies)
     joints = joints[joints >= 0]
     rows = reference.lengths(stations)[:, 1:][:, joints]
     J, Phi_q = rows[planar.motors["joint_pathway"]], rows[planar.constraints["pathway"][planar.held]]

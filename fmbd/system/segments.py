@@ -45,6 +45,7 @@ class Segmentation:
     model: Model
     beams: dict[str, tuple[Segment, ...]]
     places: dict[Place, Place]  #: points of the beams that are cut, and where they are now
+    seams: frozenset[str] = frozenset()  #: joints between segments
 
     def place(self, body: str, point: str) -> Place:
         """The body and point that a point of the model as written has become."""
@@ -81,14 +82,15 @@ def cut_beams(model: Model) -> Segmentation:
             bodies |= {segment.body: _stretch(body, segment, owner) for segment in cut[name]}
         else:
             bodies[name] = body
+    seams = _joints(model, cut)
     built = replace(
         model,
         bodies=bodies,
-        joints=_moved(model.joints, "between", places) | _joints(model, cut),
+        joints=_moved(model.joints, "between", places) | seams,
         springs=_moved(model.springs, "between", places),
         loads=_loads(model, cut, places),
     )
-    return Segmentation(built, beams, places)
+    return Segmentation(built, beams, places, frozenset(seams))
 
 
 def _segments(name: str, beam: Beam) -> tuple[Segment, ...]:

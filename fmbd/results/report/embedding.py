@@ -59,8 +59,9 @@ def _item(item: Item, arrays: Arrays) -> dict[str, Any]:
         "count": points.shape[1],
         "points": arrays.add(_pairs(points)),
     }
-    if item.straight is not None:
+    if item.straight is not None and item.along is not None:
         found["straight"] = arrays.add(_pairs(item.straight))
+        found["along"] = item.along.tolist()
     return found
 
 

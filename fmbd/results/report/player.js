@@ -52,9 +52,9 @@ class Player {
   pointsOf(item) {
     const points = this.at(arrays[item.points], item.count);
     if (item.straight === undefined || this.deflection === 1) return points;
-    const [x0, y0, x1, y1] = this.at(arrays[item.straight], 2), last = item.count - 1;
+    const [x0, y0, x1, y1] = this.at(arrays[item.straight], 2);
     return Float64Array.from(points, (value, i) => {
-      const along = (i >> 1) / last;
+      const along = item.along[i >> 1];
       const straight = i % 2 ? y0 + along * (y1 - y0) : x0 + along * (x1 - x0);
       return straight + this.deflection * (value - straight);
     });
