@@ -168,7 +168,7 @@ class FloatingBeam:
         values = mesh_rows(x.ravel())[:, _kept(self.nodes, self.frame)]
         if self.modes is not None:
             values = values @ self.modes
-        return values.reshape(*x.shape, -1)
+        return values.reshape(*x.shape, values.shape[-1])
 
     def _check_on_beam(self, x: Array) -> None:
         _check_positions(x, self.length, "position")
