@@ -1,8 +1,8 @@
 """Simeon's flexible slider-crank, problem CRANK of the Test Set for IVP Solvers (release 2.4, Mazzia and Magherini).
 
 Its rod has two sine shapes between its ends, and an axial quadratic whose mass in the published program is 15 times too
-large. That does not matter for the rest: angle of the rod, place of the slider and first shape are compared with those of
-a rod that does not stretch. Neither has geometric stiffening.
+large. That does not matter for the rest: angle of the rod, place of the slider and first shape are compared with those
+of a rod that does not stretch. Neither has geometric stiffening.
 """
 
 from dataclasses import replace
