@@ -66,9 +66,9 @@ def hang_on_rows(
         lx = 1.0 if k == 0 else 0.0
         ly = 1.0 if k == 1 else (L[1, 0] if k == 0 else 0.0)
         lz = 1.0 if k == 2 else L[2, k]
-        hang.b[k, 0] = p.c * ly - p.s * lx
-        hang.b[k, 1] = (f.px - at.x) * ly - (f.py - at.y) * lx + lz
-        hang.b[k, 2] = p.c * lx + p.s * ly
+        hang.b[k, 0] = p.c * ly - p.s * lx if outer.row_w >= 0 else 0.0
+        hang.b[k, 1] = (f.px - at.x) * ly - (f.py - at.y) * lx + lz if outer.row_s >= 0 else 0.0
+        hang.b[k, 2] = p.c * lx + p.s * ly if outer.row_u >= 0 else 0.0
         hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = lx, ly, rx * ly - ry * lx + lz
         last = k == 2 or (hang.idle[2] == 1 and (k == 1 or hang.idle[1] == 1))
         keep = more or not last
@@ -114,8 +114,6 @@ def _take_in(
     w0, row0, gram0 = index(b.hang_w0 + k * parent.nrow), index(parent.row0), index(parent.gram0)
     x, y, z = hang.x[k, 0], hang.x[k, 1], hang.x[k, 2]
     c, give = 0.0, 0.0
-    for r in range(n):
-        hang_w[w0 + r] = 0.0
     for kind in range(3):
         at = station_row(outer, kind)
         if at >= 0:
@@ -131,8 +129,15 @@ def _take_in(
                 if beside >= 0:
                     twice = 1.0 if other == kind else 2.0
                     give += twice * weight * hang.b[k, other] * N[column + index(beside) - row0]
-            for r in range(n):
-                hang_w[w0 + r] += weight * N[column + r]
+    across, slope, along = hang.b[k, 0], hang.b[k, 1], hang.b[k, 2]
+    at_w, at_s, at_u = (
+        _column(outer.row_w, parent),
+        _column(outer.row_s, parent),
+        _column(outer.row_u, parent),
+    )
+    for r in range(n):
+        # a row that the station does not have weighs nothing
+        hang_w[w0 + r] = across * N[at_w + r] + slope * N[at_s + r] + along * N[at_u + r]
     share = 1.0 / (1.0 + d * give)
     phi = (gamma - d * c) * share
     hang.x[k, 0], hang.x[k, 1], hang.x[k, 2] = x, y, z
@@ -157,6 +162,12 @@ def _take_in(
             start = gram0 + r * n
             for j in range(n):
                 N[start + j] -= w * hang_w[w0 + j]
+
+
+@part
+def _column(row: int, parent: Any) -> Any:
+    """Where the column of a row begins in N; that of the first row for a row that is not there."""
+    return index(parent.gram0 + max(row - parent.row0, 0) * parent.nrow)
 
 
 @part
