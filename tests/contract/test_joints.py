@@ -34,7 +34,7 @@ joints:
 initial:
   joints: {float_a: {x: 0.02, y: 0.03, angle: 0.2}}
   rates: {float_a: {x: 0.5, y: -0.2, angle: 0.8}}
-simulation: {rtol: 1e-12, atol: 1e-14}
+simulation: {rtol: 1e-13, atol: 1e-14}
 """
 RIGID = """
   a: {type: rigid, mass: 1.2, inertia: 0.05, center_of_mass: [0.1, 0.02],
