@@ -138,8 +138,8 @@ def check_standing(arrangement: Arrangement, q: Array) -> None:
     name, rate = max(moved.items(), key=lambda item: abs(item[1]))
     loop = system.constraint_names[int(np.abs(opening).argmax())]
     raise AnalysisError(
-        f"no equilibrium beside moving joints: {name} moves by {rate:g} a second at t = {t:g} s, and the loop at {loop} "
-        "cannot stand still beside it (without `moving` the joint stands, too)"
+        f"no equilibrium beside moving joints: {name} moves by {rate:g} a second at t = {t:g} s, and the loop "
+        f"at {loop} cannot stand still beside it (without `moving` the joint stands, too)"
     )
 
 

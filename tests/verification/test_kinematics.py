@@ -167,6 +167,9 @@ def test_what_cannot_be_is_said():
         fmbd.kinematics(five_bar, "effector", joints={"shoulder_left": "1 + t"})
     with pytest.raises(fmbd.AnalysisError, match=r"effector cannot reach \(0\.\d+, 0\.6\) at t = 0\.\d+ s"):
         fmbd.kinematics(five_bar, "effector", path=["0.1 + t", "0.6"])
+    # the farther foot is at (-0.3, 0): 0.9 m of reach, 1.8439 m away
+    with pytest.raises(fmbd.AnalysisError, match=r"reach \(1\.5, 0\.4\) at t = 0 s: .* misses by 0\.9439 m"):
+        fmbd.kinematics(five_bar, "effector", path=["1.5", "0.4"])
     with pytest.raises(fmbd.AnalysisError, match=r"the loops cannot be closed at t = .* with shoulder_right"):
         fmbd.kinematics(
             five_bar, "effector", joints={"shoulder_right": "0.98 - 3*t", "shoulder_left": "1.71"}

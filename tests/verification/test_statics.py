@@ -185,7 +185,7 @@ def test_a_crank_is_brought_to_its_place():
 
 def test_a_loop_does_not_stand_still_beside_its_crank():
     """While the crank turns pin and slider must move: no equilibrium, even without anything that is free to move."""
-    with pytest.raises(fmbd.AnalysisError, match=r"shaft\.angle moves by 2 a second .* loop at pin"):
+    with pytest.raises(fmbd.AnalysisError, match=r"shaft\.angle moves by 2 a second .* loop at pin\.y"):
         fmbd.equilibrium(driven_slider_crank(), moving=True)
 
 
