@@ -2,8 +2,9 @@
 
     Phi_x dx = 0,  A dx = d theta,  P dx = dp        loops, inputs, point; x all joint coordinates
     parallel   det [Phi_x; A] = 0    the inputs do not hold the mechanism (type 2)
-    serial     det [Phi_x; P] = 0    the point cannot move in some direction (type 1); two inputs only
-    J = dp / d theta,  det J = serial / parallel (but for the sign)
+    serial     det [Phi_x; P] = 0    the point cannot move in some direction (type 1); of two inputs
+               |J| = 0               the point does not move (dead centre, cusp); of one input
+    J = dp / d theta,  of two inputs det J = serial / parallel (but for the sign)
 
 Of the five-bar they are l2^2 sin(angle between the rods), and the product of l1 l2 sin(elbow's angle) of both arms.
 Source: C. Gosselin, J. Angeles, Singularity analysis of closed-loop kinematic chains, IEEE Transactions on Robotics and
@@ -42,8 +43,10 @@ def parallel(guide: Guide, q: Array, t: float) -> float:
 
 
 def serial(guide: Guide, q: Array, t: float) -> float:
-    """det [Phi_x; P], NaN unless there are two inputs."""
+    """det [Phi_x; P] of two inputs, |J| of one, NaN of more."""
     loops, inputs, point = guide.rows(q, t)
+    if len(inputs) == 1:
+        return float(np.linalg.norm(jacobian(guide, q, t)))
     return float(np.linalg.det(np.vstack([loops, point]))) if len(inputs) == 2 else np.nan
 
 

@@ -155,6 +155,14 @@ def test_dead_centres_of_a_slider_crank():
     assert_allclose(found.place[:, 0], 0.2 * np.cos(a) + side, atol=1e-12)
     slope = -0.2 * np.sin(a) - 0.2**2 * np.sin(a) * np.cos(a) / side
     assert_allclose(found.jacobian[:, :, 0], np.stack([slope, 0 * slope], axis=-1), atol=1e-11)
+    assert_allclose(found.serial, np.abs(slope), atol=1e-11)
+    assert found.crossings("serial") == [], "from 0.5 to 1.5 rad it goes one way"
+    assert "condition" not in found.data()
+    turned = fmbd.kinematics(engine, "piston.origin", sweep={"shaft": np.linspace(0.5, 7.0, 66)})
+    back = turned.values[turned.crossings("serial"), 0]
+    assert_allclose(back, [3.1, 6.2], atol=1e-9)  # the last before pi and 2 pi
+    around = fmbd.kinematics(engine, "crank.pin", sweep={"shaft": np.linspace(0.5, 7.0, 66)})
+    assert around.crossings("serial") == [] and np.allclose(around.serial, 0.2)
     pushed = fmbd.kinematics(engine, "crank.pin", joints={"guide": "0.66 + 0.02*t"})
     dead = pushed.nearest("parallel")
     assert_allclose(dead.inputs, [0.7], atol=1e-7)
