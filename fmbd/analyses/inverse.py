@@ -28,7 +28,7 @@ from fmbd.analyses.guide import actuated, as_point, checked_point
 from fmbd.analyses.paths import on_path, started
 from fmbd.analyses.prescribed import Course, read_file, read_signals
 from fmbd.errors import AnalysisError, UnknownQuantity
-from fmbd.model import Model, load_model
+from fmbd.model import ControllerRef, Model, load_model
 from fmbd.model.names import unknown
 from fmbd.planar.equations import close_at_start
 from fmbd.results.files import save_data
@@ -178,9 +178,9 @@ def inverse(
         if file
         else read_signals(model, dict(zip("xy", path or (), strict=True)))
     )
-    places, moved = on_path(model, checked_point(model, point), Course(line, end), compensate)
+    places, moved, remarks = on_path(model, checked_point(model, point), Course(line, end), compensate)
     found = _followed(started(model, Course(moved, end)), list(model.motors), moved, on_progress)
-    return replace(found, point=as_point(model, point), path=places)
+    return replace(found, point=as_point(model, point), path=places, remarks=(*found.remarks, *remarks))
 
 
 def _followed(
@@ -194,7 +194,8 @@ def _followed(
     torques, currents = efforts(run, motors)
     driven = fed(model, inputs(run, torques, currents), run.time, TABLE)
     motion = as_fed(run, driven, currents)
-    remarks = (*run.system.start.remarks, *_remarks(motion.source.state_names, currents))
+    left = _left_alone(model, motors)
+    remarks = (*run.system.start.remarks, *left, *_remarks(motion.source.state_names, currents))
     return Inverse(driven, motion, tuple(motors), None, None, remarks)
 
 
@@ -205,6 +206,21 @@ def _closed(system: System) -> System:
     close_at_start(system.planar, system.work, y, np.zeros(nq), 1e-12)
     q, v = system.to_nodal(y[:nq]), system.to_nodal(y[nq : 2 * nq])
     return replace(system, start=replace(start, q=q, v=v))
+
+
+def _left_alone(model: Model, motors: Sequence[str]) -> Iterator[str]:
+    """What motors without a prescribed motion do."""
+    for name, motor in model.motors.items():
+        if name not in motors:
+            controlled = isinstance(motor.input, ControllerRef)
+            what = (
+                f"controller {motor.input.name}"
+                if controlled
+                else "voltage"
+                if motor.type == "dc"
+                else "torque"
+            )
+            yield f"no motion of {motor.joint} is prescribed: {name} keeps its {what} meanwhile"
 
 
 def _remarks(states: Sequence[str], currents: Mapping[str, Array]) -> Iterator[str]:

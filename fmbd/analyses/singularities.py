@@ -11,7 +11,7 @@ Source: C. Gosselin, J. Angeles, Singularity analysis of closed-loop kinematic c
 Automation 6 (3), 1990, pp. 281-290.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,8 @@ Array = np.ndarray
 #: Step of the derivatives of a determinant [rad, m].
 _STEP = 1e-6
 _CLOSED = 1e-8
+#: Condition numbers of J above this are worth a remark.
+NEAR = 50.0
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,28 @@ def jacobian(guide: Guide, q: Array, t: float) -> Array:
         return np.asarray(point @ np.linalg.solve(np.vstack([loops, inputs]), given))
     except np.linalg.LinAlgError:
         return np.full((2, len(inputs)), np.inf)
+
+
+def remarks_on_path(guide: Guide, times: Array, qs: Array) -> Iterator[str]:
+    """What is to be said of a path (nt, nq) of a point moved by two inputs: singular positions on it, or near."""
+    loops, inputs, _ = guide.rows(qs[0], float(times[0]))
+    if len(inputs) != 2 or len(loops) + 2 != loops.shape[1]:
+        return
+    at = list(zip(qs, times.tolist(), strict=True))
+    sign = np.sign([serial(guide, q, t) for q, t in at])
+    passed = np.flatnonzero(sign[:-1] * sign[1:] <= 0.0)
+    condition = np.array([np.linalg.cond(jacobian(guide, q, t)) for q, t in at])
+    k = int(condition.argmax())
+    if passed.size:
+        yield (
+            f"{guide.point} passes a serial singular position at t = {times[passed[0] + 1]:.6g} s: "
+            "it cannot move in some direction there"
+        )
+    elif condition[k] > NEAR:
+        yield (
+            f"{guide.point} comes near a singular position at t = {times[k]:.6g} s: the condition number of "
+            f"dp/d(inputs) is {condition[k]:.3g} (fmbd kinematics tells which)"
+        )
 
 
 def nearest(guide: Guide, q: Array, t: float, kind: str) -> Singularity | None:

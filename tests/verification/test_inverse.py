@@ -81,8 +81,8 @@ def test_voltage_of_a_motor(inductance):
     assert len(found.remarks) == (inductance > 0), "a run starts without the current that holds the mass"
 
 
-def test_double_pendulum_follows_a_circle():
-    """Its end goes round at 1 rad/s, from a start that is not the model's; fed forward it does so again."""
+def robot():
+    """Two arms of 0.5 m, a motor for each."""
     arm = {
         "type": "rigid",
         "mass": 1,
@@ -90,7 +90,7 @@ def test_double_pendulum_follows_a_circle():
         "center_of_mass": [0.25, 0],
         "points": {"end": [0.5, 0]},
     }
-    robot = model(
+    return model(
         gravity=[0, -G],
         bodies={"upper": arm, "lower": arm},
         joints={
@@ -104,12 +104,26 @@ def test_double_pendulum_follows_a_circle():
         initial={"joints": {"shoulder": -1.0, "elbow": 1.5}},
         simulation={"duration": 2, "rtol": 1e-11, "atol": 1e-11, "method": "dop853"},
     )
-    found = fmbd.inverse(robot, point="lower.end", path=["0.5 + 0.2*cos(t)", "-0.4 + 0.2*sin(t)"])
+
+
+def test_double_pendulum_follows_a_circle():
+    """Its end goes round at 1 rad/s, from a start that is not the model's; fed forward it does so again."""
+    found = fmbd.inverse(robot(), point="lower.end", path=["0.5 + 0.2*cos(t)", "-0.4 + 0.2*sin(t)"])
     assert found.error.max() < 1e-9
     again = found.forward()
     t = again.time
     circle = np.stack([0.5 + 0.2 * np.cos(t), -0.4 + 0.2 * np.sin(t)], axis=-1)
     assert_allclose(again["lower.end.position"], circle, rtol=0, atol=1e-8)
+
+
+def test_a_path_near_a_singular_position_is_remarked():
+    """The arms stretch to 0.9995 m of 1 m at 1 s: cos(e/2) = 0.9995, and J has about the condition number 5/e."""
+    short = robot().with_("simulation.output_interval", 0.05)
+    found = fmbd.inverse(short, point="lower.end", path=["0.8995 - 0.1*cos(pi*t)", "0"])
+    [remark] = found.remarks
+    assert "lower.end comes near a singular position at t = 1 s: the condition number" in remark
+    assert 5 / (2 * np.arccos(0.9995)) == pytest.approx(79, abs=0.1)
+    assert "is 79" in remark
 
 
 def test_rigid_five_bar_goes_where_it_is_sent():
@@ -156,6 +170,10 @@ def test_motors_without_a_motion_keep_their_inputs():
     motion = {"type": "smooth_step", "end": 0.5, "from": float(begin), "to": float(begin) + 0.2}
     found = fmbd.inverse(five_bar, joints={"shoulder_right": motion})
     assert found.motors == ("motor_right",)
+    kept = (
+        "no motion of shoulder_left is prescribed: motor_left keeps its controller position_control meanwhile"
+    )
+    assert kept in found.remarks
     control = 40 * (12 - found["motor_left.rotor"]) - 1.2 * found["motor_left.rotor.rate"]
     assert_allclose(found["motor_left.voltage"], control, rtol=1e-9)
     assert max(found.deviation(found.forward()).values()) < 1e-7
