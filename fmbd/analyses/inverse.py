@@ -123,8 +123,8 @@ class Inverse:
         return {name: self.run[name] for name in self.names}
 
     def table(self) -> Iterator[Sequence[str | float]]:
-        """Rows over time; the first names the columns."""
-        yield self.names
+        """Rows over time; the first names the columns, name[unit]."""
+        yield [f"{name}[{self.run.units(name)}]" for name in self.names]
         yield from np.stack([self.run[name] for name in self.names], axis=-1).tolist()
 
     @property
@@ -153,7 +153,8 @@ def inverse(
     motor's side of it, rotor angle by gear ratio. Signals as in the model file: number, expression in t, name, mapping.
     Motors whose joints are not named keep their inputs.
     point, path: a joint, for its first point, or body.point, and the signals of its x and y [m]; moved by all motors
-    file: instead of the signals a CSV file with the columns `time` [s] and x, y, or the joints
+    file: instead of the signals a CSV file with the columns `time` [s] and x, y, or the joints; or one that was written
+        by `save`, or from a run, of which the coordinates of joints, or the positions of the point, are read
     compensate: time [s] from the start over which a path takes up the deflection that the mechanism has at rest in its
     place, under gravity; left out, it does not
 
@@ -174,7 +175,7 @@ def inverse(
         motors = _motors_of(model, given)
         return _followed(started(model, Course(given, end)), motors, given, on_progress)
     line = (
-        read_file(model, file, ("x", "y"))
+        read_file(model, file, point)
         if file
         else read_signals(model, dict(zip("xy", path or (), strict=True)))
     )

@@ -7,6 +7,7 @@ from scipy.interpolate import CubicSpline
 from simulation import G, columns, load, model, revolute
 
 import fmbd
+from fmbd.analyses.prescribed import read_file
 
 L, M, J = 0.6, 2.0, 0.1
 ROD = {"type": "rigid", "mass": M, "inertia": J, "center_of_mass": [L, 0], "points": {"end": [L, 0]}}
@@ -202,8 +203,35 @@ def test_files(tmp_path):
     again = fmbd.simulate(tmp_path / "fed.yaml")
     assert_allclose(again["rod_right.end.position"], found.path, rtol=0, atol=1e-6)
     found.save(tmp_path / "inputs.csv")
-    rows = np.genfromtxt(tmp_path / "inputs.csv", delimiter=",", names=True)
-    assert_allclose(rows["motor_rightvoltage"], found["motor_right.voltage"], rtol=1e-15)
+    heads, rows = columns_of(tmp_path / "inputs.csv")
+    assert heads[:3] == ["time[s]", "shoulder_right.angle[rad]", "shoulder_left.angle[rad]"]
+    assert heads[-2:] == ["rod_right.end.position.x[m]", "rod_right.end.position.y[m]"]
+    assert_allclose(rows[:, heads.index("motor_right.voltage[V]")], found["motor_right.voltage"], rtol=1e-15)
+
+
+def columns_of(path):
+    return path.read_text().splitlines()[0].split(","), np.loadtxt(path, delimiter=",", skiprows=1)
+
+
+def test_what_was_written_is_read_again(tmp_path):
+    """With units in its header or without, the joints among its columns, or the point."""
+    arm = {"type": "torque", "torque": 0}
+    found = fmbd.inverse(pendulum(arm), joints={"hinge": "0.2 + 0.5*t**3"})
+    found.save(tmp_path / "inputs.csv")
+    assert read_file(pendulum(arm), tmp_path / "inputs.csv").keys() == {"hinge"}
+    heads = (tmp_path / "inputs.csv").read_text().partition("\n")[0]
+    assert heads == "time[s],hinge.angle[rad],motor.torque[N m]"
+    again = fmbd.inverse(pendulum(arm), file=tmp_path / "inputs.csv")
+    assert_allclose(again.torque, found.torque, atol=1e-4)
+    (tmp_path / "plain.csv").write_text("time [s], hinge\n0, 0.2\n1, 0.2\n2, 0.3\n3, 0.4\n")
+    assert read_file(pendulum(arm), tmp_path / "plain.csv")["hinge"].values == (0.2, 0.2, 0.3, 0.4)
+    (tmp_path / "point.csv").write_text(
+        "time[s],rod.end.position.x[m],rod.end.position.y[m]\n0,0.6,0\n1,0.6,0\n"
+    )
+    assert read_file(pendulum(arm), tmp_path / "point.csv", "rod.end").keys() == {"x", "y"}
+    (tmp_path / "degrees.csv").write_text("time,hinge[deg]\n0,1\n1,2\n")
+    with pytest.raises(fmbd.ModelError, match="hinge is in deg: it is read in s, rad or m"):
+        read_file(pendulum(arm), tmp_path / "degrees.csv")
 
 
 def test_deflection_at_rest_is_compensated():
