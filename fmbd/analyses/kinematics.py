@@ -192,9 +192,12 @@ def _guide(system: System, joints: list[Coordinate], point: str) -> Guide:
     free = loops.shape[1] - len(loops)
     if free != len(inputs):
         names = ", ".join(name for name, _ in joints) or "none"
+        driven = [f"joints.{name}" for name, joint in system.model.joints.items() if joint.driven]
+        hint = f": what is to be an input must not be driven, remove `driven` of {', '.join(driven)}"
         raise AnalysisError(
             f"the mechanism has {free} degree{'s' if free != 1 else ''} of freedom, "
             f"but {len(inputs)} input{'s' if len(inputs) != 1 else ''} ({names})"
+            + (hint if driven and free < len(inputs) else "")
         )
     return guide
 

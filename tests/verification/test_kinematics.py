@@ -173,6 +173,11 @@ def test_what_cannot_be_is_said():
     five_bar = load("five_bar.yaml", COARSE)
     with pytest.raises(fmbd.AnalysisError, match=r"2 degrees of freedom, but 1 input \(shoulder_left\)"):
         fmbd.kinematics(five_bar, "effector", joints={"shoulder_left": "1 + t"})
+    driven = two_links().with_("joints.first.driven", "t").with_("joints.second.driven", 0)
+    with pytest.raises(
+        fmbd.AnalysisError, match=r"0 degrees of freedom, but 1 input \(first\): .* of joints\.first"
+    ):
+        fmbd.kinematics(driven, "b.end", joints={"first": "t"})
     with pytest.raises(fmbd.AnalysisError, match=r"effector cannot reach \(0\.\d+, 0\.6\) at t = 0\.\d+ s"):
         fmbd.kinematics(five_bar, "effector", path=["0.1 + t", "0.6"])
     # the farther foot is at (-0.3, 0): 0.9 m of reach, 1.8439 m away
