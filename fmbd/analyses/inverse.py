@@ -213,14 +213,9 @@ def _left_alone(model: Model, motors: Sequence[str]) -> Iterator[str]:
     """What motors without a prescribed motion do."""
     for name, motor in model.motors.items():
         if name not in motors:
-            controlled = isinstance(motor.input, ControllerRef)
-            what = (
-                f"controller {motor.input.name}"
-                if controlled
-                else "voltage"
-                if motor.type == "dc"
-                else "torque"
-            )
+            what = "voltage" if motor.type == "dc" else "torque"
+            if isinstance(motor.input, ControllerRef):
+                what = f"controller {motor.input.name}"
             yield f"no motion of {motor.joint} is prescribed: {name} keeps its {what} meanwhile"
 
 
