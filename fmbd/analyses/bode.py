@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
+from fmbd.analyses.sampling import sampled
 from fmbd.errors import AnalysisError
 from fmbd.results.plots.charts import typeset
 from fmbd.results.plots.style import TOLD_APART, WIDTH, graded, style, told_apart
@@ -19,9 +20,6 @@ Array = np.ndarray
 
 COLUMNS = 3
 ROW = 1.35  # inches
-POINTS = 600
-#: Around a resonance: so many points on each side, to this share of its frequency; closest to one that nothing damps.
-NEAR, REACH, CLOSEST = 30, 0.03, 1e-4
 #: Gains below this share of the largest of their panel are round-off.
 NOTHING = 1e-12
 TURNS = (15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0)  # degrees, between marks
@@ -86,16 +84,3 @@ def _look(space: "StateSpace", j: int) -> dict[str, Any]:
 def _quotient(unit: str, by: str) -> str:
     """rad/V, m/(N m)."""
     return f"{typeset(unit)}/{f'({by})' if ' ' in by else by}"
-
-
-def sampled(space: "StateSpace", low: float, high: float) -> Array:
-    """Frequencies [Hz] from low to high that show every resonance at its height, ascending."""
-    parts = [np.geomspace(low, high, POINTS)]
-    for pole in space.poles():
-        if pole.imag > 0.0:
-            damping = -pole.real / abs(pole)
-            closest = CLOSEST if abs(damping) < 1e-10 else min(0.02 * abs(damping), 0.1 * REACH)
-            away = np.geomspace(closest, REACH, NEAR)
-            parts.append(abs(pole) / (2.0 * np.pi) * (1.0 + np.concatenate([-away, away])))
-    every = np.unique(np.concatenate(parts))
-    return every[(every >= low) & (every <= high)]

@@ -6,6 +6,7 @@ Where det [Phi_x; A] = 0 the motors do not hold the mechanism: a path through su
 """
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -82,7 +83,7 @@ class Guide:
         if closure.residual > CLOSED:
             raise AnalysisError(
                 f"{self.point} cannot reach ({where[0]:.6g}, {where[1]:.6g}) at t = {t:.6g} s: "
-                f"the nearest position found misses by {closure.residual:.3g} m"
+                f"the nearest position found misses by {self._distance(guess, place, t):.4g} m"
             )
         return closure.q
 
@@ -152,6 +153,35 @@ class Guide:
         """All joint coordinates that are not driven, at the start of time."""
         return self.mechanism.joint_coordinates(q)
 
+    def _distance(self, guess: Array, place: Array, t: float) -> float:
+        """The least distance of the point from a place, near a guess, the loops closed."""
+        from scipy import optimize
+
+        unknowns = self.mechanism.unknowns
+
+        def at(x: Array) -> Array:
+            q = guess.copy()
+            q[unknowns] = x
+            return q
+
+        def away(x: Array) -> Array:
+            return self.place(at(x), t) - place
+
+        minimise: Any = optimize.minimize  # its annotations know no method with gradients of constraints
+        found = minimise(
+            lambda x: float(away(x) @ away(x)),
+            guess[unknowns],
+            jac=lambda x: 2.0 * away(x) @ self.rows(at(x), t)[2],
+            method="SLSQP",
+            constraints={
+                "type": "eq",
+                "fun": lambda x: self.miss(at(x), t),
+                "jac": lambda x: self.rows(at(x), t)[0],
+            },
+            options={"ftol": 1e-12, "maxiter": 200},
+        )
+        return float(np.linalg.norm(away(found.x)))
+
     def _rows(self, q: Array, t: float) -> Array:
         """Of all loops, the motors' joints and the point."""
         held: Mapping[Coordinate, float] = dict.fromkeys(self.joints, 0.0)
@@ -174,5 +204,9 @@ def _ahead(qs: list[Array]) -> Array:
 
 def _staged(solve: Callable[[Array, Array, float], Array], q: Array, first: Array, last: Array) -> Array:
     for share in np.linspace(0.0, 1.0, _STAGES + 1)[1:]:
-        q = solve(q, first + share * (last - first), 0.0)
+        try:
+            q = solve(q, first + share * (last - first), 0.0)
+        except AnalysisError as error:
+            solve(q, last, 0.0)  # out of reach itself, it is to be named
+            raise AnalysisError(f"on the straight way from the start {error}") from None
     return q

@@ -28,7 +28,7 @@ from fmbd.analyses.guide import actuated, as_point, checked_point
 from fmbd.analyses.paths import on_path, started
 from fmbd.analyses.prescribed import Course, read_file, read_signals
 from fmbd.errors import AnalysisError, UnknownQuantity
-from fmbd.model import Model, load_model
+from fmbd.model import ControllerRef, Model, load_model
 from fmbd.model.names import unknown
 from fmbd.planar.equations import close_at_start
 from fmbd.results.files import save_data
@@ -123,8 +123,8 @@ class Inverse:
         return {name: self.run[name] for name in self.names}
 
     def table(self) -> Iterator[Sequence[str | float]]:
-        """Rows over time; the first names the columns."""
-        yield self.names
+        """Rows over time; the first names the columns, name[unit]."""
+        yield [f"{name}[{self.run.units(name)}]" for name in self.names]
         yield from np.stack([self.run[name] for name in self.names], axis=-1).tolist()
 
     @property
@@ -153,7 +153,8 @@ def inverse(
     motor's side of it, rotor angle by gear ratio. Signals as in the model file: number, expression in t, name, mapping.
     Motors whose joints are not named keep their inputs.
     point, path: a joint, for its first point, or body.point, and the signals of its x and y [m]; moved by all motors
-    file: instead of the signals a CSV file with the columns `time` [s] and x, y, or the joints
+    file: instead of the signals a CSV file with the columns `time` [s] and x, y, or the joints; or one that was written
+        by `save`, or from a run, of which the coordinates of joints, or the positions of the point, are read
     compensate: time [s] from the start over which a path takes up the deflection that the mechanism has at rest in its
     place, under gravity; left out, it does not
 
@@ -174,13 +175,13 @@ def inverse(
         motors = _motors_of(model, given)
         return _followed(started(model, Course(given, end)), motors, given, on_progress)
     line = (
-        read_file(model, file, ("x", "y"))
+        read_file(model, file, point)
         if file
         else read_signals(model, dict(zip("xy", path or (), strict=True)))
     )
-    places, moved = on_path(model, checked_point(model, point), Course(line, end), compensate)
+    places, moved, remarks = on_path(model, checked_point(model, point), Course(line, end), compensate)
     found = _followed(started(model, Course(moved, end)), list(model.motors), moved, on_progress)
-    return replace(found, point=as_point(model, point), path=places)
+    return replace(found, point=as_point(model, point), path=places, remarks=(*found.remarks, *remarks))
 
 
 def _followed(
@@ -194,7 +195,8 @@ def _followed(
     torques, currents = efforts(run, motors)
     driven = fed(model, inputs(run, torques, currents), run.time, TABLE)
     motion = as_fed(run, driven, currents)
-    remarks = (*run.system.start.remarks, *_remarks(motion.source.state_names, currents))
+    left = _left_alone(model, motors)
+    remarks = (*run.system.start.remarks, *left, *_remarks(motion.source.state_names, currents))
     return Inverse(driven, motion, tuple(motors), None, None, remarks)
 
 
@@ -205,6 +207,16 @@ def _closed(system: System) -> System:
     close_at_start(system.planar, system.work, y, np.zeros(nq), 1e-12)
     q, v = system.to_nodal(y[:nq]), system.to_nodal(y[nq : 2 * nq])
     return replace(system, start=replace(start, q=q, v=v))
+
+
+def _left_alone(model: Model, motors: Sequence[str]) -> Iterator[str]:
+    """What motors without a prescribed motion do."""
+    for name, motor in model.motors.items():
+        if name not in motors:
+            what = "voltage" if motor.type == "dc" else "torque"
+            if isinstance(motor.input, ControllerRef):
+                what = f"controller {motor.input.name}"
+            yield f"no motion of {motor.joint} is prescribed: {name} keeps its {what} meanwhile"
 
 
 def _remarks(states: Sequence[str], currents: Mapping[str, Array]) -> Iterator[str]:

@@ -24,6 +24,8 @@ Array = np.ndarray
 
 #: Files that kinematics can be written to.
 KINDS = (".csv", ".h5", ".json", ".npz", ".mat")
+#: Where a point turns back its velocities before and after are opposite, to this cosine.
+REVERSED = 0.9
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,23 +68,36 @@ class Kinematics:
 
     @cached_property
     def serial(self) -> Array:
-        """det [Phi_x; P], shape (n,): changes its sign at the limits of the point's reach; NaN unless two inputs."""
+        """Shape (n,). Of two inputs det [Phi_x; P], which changes its sign at the limits of the point's reach.
+
+        Of one input |dp / d theta|, zero where the point stands still and turns back; NaN of more.
+        """
         return self._each(lambda q, t: serial(self.guide, q, t))
 
     @cached_property
     def condition(self) -> Array:
-        """Condition number of J, shape (n,); infinite at singular positions."""
+        """Condition number of J, shape (n,); infinite at singular positions, says nothing of one input."""
         size = np.linalg.svd(np.nan_to_num(self.jacobian, posinf=0.0), compute_uv=False)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(size[:, -1] > 0.0, size[:, 0] / size[:, -1], np.inf)
 
     def crossings(self, kind: str) -> list[int]:
         """After which positions a singular one is passed on the way to the next; kind is `parallel` or `serial`."""
+        if kind == "serial" and len(self.inputs) == 1:
+            J = self.jacobian[:, :, 0]
+            along = (J[:-1] * J[1:]).sum(axis=1)
+            size = np.linalg.norm(J, axis=1)
+            return [int(k) for k in np.flatnonzero(along <= -REVERSED * size[:-1] * size[1:])]
         sign = np.sign(getattr(self, kind))
         return [int(k) for k in np.flatnonzero(sign[:-1] * sign[1:] <= 0.0)]
 
     def nearest(self, kind: str) -> Singularity | None:
-        """The singular position, `parallel` or `serial`, that is nearest to the position with the least determinant."""
+        """The singular position, `parallel` or `serial`, that is nearest to the position with the least determinant.
+
+        Of a single input no serial one is looked for.
+        """
+        if kind == "serial" and len(self.inputs) == 1:
+            return None
         size = np.abs(getattr(self, kind))
         if not np.isfinite(size).any():
             return None
@@ -94,12 +109,14 @@ class Kinematics:
         save_data(path, self.data(), self.table(), KINDS)
 
     def data(self) -> dict[str, Array]:
-        """What is written: time, inputs, the point, J, its condition, the determinants."""
+        """What is written: time, inputs, the point, J, its condition unless of one input, the determinants."""
         found = {"time": self.time} | dict(zip(self.inputs, self.values.T, strict=True))
         found |= {f"{self.point}.{axis}": self.place[:, k] for k, axis in enumerate("xy")}
         for k, axis in enumerate("xy"):
             found |= {f"d{axis}/d({name})": self.jacobian[:, k, j] for j, name in enumerate(self.inputs)}
-        return found | {"condition": self.condition, "parallel": self.parallel, "serial": self.serial}
+        if len(self.inputs) > 1:
+            found["condition"] = self.condition
+        return found | {"parallel": self.parallel, "serial": self.serial}
 
     def table(self) -> Iterator[Sequence[str | float]]:
         """Rows of positions; the first names the columns."""
@@ -175,9 +192,12 @@ def _guide(system: System, joints: list[Coordinate], point: str) -> Guide:
     free = loops.shape[1] - len(loops)
     if free != len(inputs):
         names = ", ".join(name for name, _ in joints) or "none"
+        driven = [f"joints.{name}" for name, joint in system.model.joints.items() if joint.driven]
+        hint = f": what is to be an input must not be driven, remove `driven` of {', '.join(driven)}"
         raise AnalysisError(
             f"the mechanism has {free} degree{'s' if free != 1 else ''} of freedom, "
             f"but {len(inputs)} input{'s' if len(inputs) != 1 else ''} ({names})"
+            + (hint if driven and free < len(inputs) else "")
         )
     return guide
 

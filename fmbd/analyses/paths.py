@@ -9,6 +9,7 @@ from fmbd.analyses.deflection import compensated
 from fmbd.analyses.feeding import changed
 from fmbd.analyses.guide import Coordinate, Guide, actuated
 from fmbd.analyses.prescribed import Course
+from fmbd.analyses.singularities import remarks_on_path
 from fmbd.model import Model
 from fmbd.model.tables import Table
 from fmbd.solvers.integrate import output_times
@@ -26,8 +27,8 @@ RIGHT = 0.5 - 0.5 / 3.0**0.5
 
 def on_path(
     model: Model, point: str, course: Course, compensate: float | None = None
-) -> tuple[Array, dict[str, Any]]:
-    """The path at the output times (nt, 2), and how the joints move with the point on it.
+) -> tuple[Array, dict[str, Any], tuple[str, ...]]:
+    """The path at the output times (nt, 2), how the joints move with the point on it, and remarks for the user.
 
     compensate: time [s] over which the static deflection is taken up, if it is
     """
@@ -42,7 +43,8 @@ def on_path(
     else:
         qs = guide.follow(times, compensated(system, guide, times, path, compensate))
     values = np.array([guide.values(q, t) for q, t in zip(qs, times, strict=True)])
-    return path, {joint: _table(times, column) for (joint, _), column in zip(joints, values.T, strict=True)}
+    moved = {joint: _table(times, column) for (joint, _), column in zip(joints, values.T, strict=True)}
+    return path, moved, tuple(remarks_on_path(guide, times, qs))
 
 
 def _table(times: Array, values: Array) -> Table:

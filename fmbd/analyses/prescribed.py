@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fmbd.analyses.guide import as_point
 from fmbd.errors import ModelError
 from fmbd.model import Model, load_model_text
 from fmbd.model.document import parse
@@ -17,6 +18,9 @@ from fmbd.system.drives import SMOOTHLY, jump_of
 from fmbd.system.signals import SignalTable
 
 Array = np.ndarray
+
+#: Of columns that are read; without a unit they are in these.
+UNITS = ("", "s", "rad", "m")
 
 
 class Course:
@@ -60,9 +64,11 @@ def read_signals(model: Model, given: Mapping[str, Any]) -> dict[str, Any]:
     return _as_signals(model, entries, model.files)
 
 
-def read_file(model: Model, path: str | Path, names: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Cubic tables from a CSV file, by the names in its header: a column `time` [s], and these, or all others.
+def read_file(model: Model, path: str | Path, point: str | None = None) -> dict[str, Any]:
+    """Cubic tables by name from a CSV file with a column `time` [s], the first line naming the columns.
 
+    Of a point x and y, otherwise all columns, the joints. A column may be headed name[unit]; among quantities of a
+    run, such as `fmbd inverse` and `fmbd export` write, only the point's position or the joints' coordinates are read.
     Raises ModelError, OSError.
     """
     path = Path(path)
@@ -70,19 +76,44 @@ def read_file(model: Model, path: str | Path, names: tuple[str, ...] = ()) -> di
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ModelError([f"{path}: is not UTF-8 text (byte {error.start})"]) from None
-    header = [name.strip() for name in next(csv.reader(text.splitlines()), [])]
-    if "time" not in header or len(header) < 2:
-        wanted = ", ".join(("time", *names)) if names else "time and joints"
-        raise ModelError([f"{path}:1: the first line must name the columns: {wanted}"])
+    first, _, rows = text.partition("\n")
+    header = [_heading(head) for head in next(csv.reader([first.rstrip("\r")]), [])]
+    meant = [_meant(model, name, point) for name, _ in header]
+    wanted = ("x", "y") if point else tuple(name for name in meant if name not in ("time", ""))
+    if "time" not in meant or len(header) < 2 or not wanted:
+        columns = ", ".join(("time", *wanted)) if wanted else "time and joints"
+        raise ModelError([f"{path}:1: the first line must name the columns: {columns}"])
+    for (name, unit), own in zip(header, meant, strict=True):
+        if own in ("time", *wanted) and unit not in UNITS:
+            raise ModelError([f"{path}:1: {name} is in {unit}: it is read in s, rad or m"])
+    named = ",".join(f'"{own or name}"' for (name, _), own in zip(header, meant, strict=True))
     entry = {"type": "table", "file": str(path), "time": "time", "interpolation": "cubic"}
-    wanted_columns = names or tuple(name for name in header if name != "time")
-    entries = {name: entry | {"value": name} for name in wanted_columns}
-    tables = _as_signals(model, entries, {**model.files, str(path): text})
+    entries = {name: entry | {"value": name} for name in wanted}
+    tables = _as_signals(model, entries, {**model.files, str(path): f"{named}\n{rows}"})
     end = model.simulation.duration
     return {
         name: _beyond(table) if abs(table.times[-1] - end) < 1e-9 * end else table
         for name, table in tables.items()
     }
+
+
+def _heading(text: str) -> tuple[str, str]:
+    """Name and unit of a column headed `name[unit]`, or `name`."""
+    name, bracket, unit = text.strip().partition("[")
+    return name.strip(), unit.removesuffix("]").strip() if bracket else ""
+
+
+def _meant(model: Model, name: str, point: str | None) -> str:
+    """x, y, a joint or `time`; nothing for other quantities of a run."""
+    part, _, rest = name.partition(".")
+    if point is not None:
+        own = {f"{alias}.position.{axis}": axis for alias in (point, as_point(model, point)) for axis in "xy"}
+        return own.get(name, name)
+    joint = model.joints.get(part)
+    if joint is not None and rest and rest == joint.motor_coordinate:
+        return part
+    known = part in model.bodies or part in model.motors or joint is not None
+    return "" if rest and known else name
 
 
 def _beyond(table: Table) -> Table:

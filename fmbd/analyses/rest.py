@@ -15,6 +15,7 @@ from fmbd.analyses.linearisation import Linearisation
 from fmbd.analyses.motions import allowed_motions, to_nodal_basis
 from fmbd.analyses.stiffness import INDIFFERENT, damped_step, dominant, tangent_stiffness
 from fmbd.errors import AnalysisError
+from fmbd.planar.equations import constraint_errors
 from fmbd.system import System
 
 Array = np.ndarray
@@ -29,6 +30,7 @@ LEAST = 1e-3
 #: So many of the longest steps from the start, and a coordinate has run away.
 AWAY = 20.0
 _CLOSED = 1e-11
+_STANDING = 1e-8  # share of the rate of driven joints, at which loops open by round-off only
 _STAGES = 50  # in which driven joints are brought to their places
 
 
@@ -115,6 +117,30 @@ def brought_to(system: System, held: list[str], time: float) -> Array:
     for t in np.linspace(0.0, time, _STAGES + 1)[1:] if moves else (time,):
         q = _closed(arrange(system, float(t), held, standing=True), q, system.start.q)
     return q
+
+
+def check_standing(arrangement: Arrangement, q: Array) -> None:
+    """Raise AnalysisError if driven joints that move at nodal coordinates q open a loop whose other joints stand."""
+    system, t = arrangement.system, arrangement.t
+    planar, still = system.planar, np.zeros_like(q)
+    constraint_errors(planar, system.work, t, system.to_modal(q), still)
+    drivers, signal = planar.constraints["driver"], np.asarray(system.work.signal)
+    opening = np.array(system.work.lengths["rate"])[planar.constraints["pathway"]]
+    opening[drivers >= 0] += signal[drivers[drivers >= 0], 1]
+    moved = {
+        f"{name}.{direction}": signal[system.lowered.signals.add(law), 1]
+        for name, joint in system.model.joints.items()
+        for direction, law in joint.driven.items()
+    }
+    moved = {name: rate for name, rate in moved.items() if rate}
+    if not moved or np.abs(opening).max(initial=0.0) <= _STANDING * max(map(abs, moved.values())):
+        return
+    name, rate = max(moved.items(), key=lambda item: abs(item[1]))
+    loop = system.constraint_names[int(np.abs(opening).argmax())]
+    raise AnalysisError(
+        f"no equilibrium beside moving joints: {name} moves by {rate:g} a second at t = {t:g} s, and the loop "
+        f"at {loop} cannot stand still beside it (without `moving` the joint stands, too)"
+    )
 
 
 def _closed(arrangement: Arrangement, q: Array, at: Array) -> Array:

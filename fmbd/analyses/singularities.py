@@ -2,15 +2,16 @@
 
     Phi_x dx = 0,  A dx = d theta,  P dx = dp        loops, inputs, point; x all joint coordinates
     parallel   det [Phi_x; A] = 0    the inputs do not hold the mechanism (type 2)
-    serial     det [Phi_x; P] = 0    the point cannot move in some direction (type 1); two inputs only
-    J = dp / d theta,  det J = serial / parallel (but for the sign)
+    serial     det [Phi_x; P] = 0    the point cannot move in some direction (type 1); of two inputs
+               |J| = 0               the point does not move (dead centre, cusp); of one input
+    J = dp / d theta,  of two inputs det J = serial / parallel (but for the sign)
 
 Of the five-bar they are l2^2 sin(angle between the rods), and the product of l1 l2 sin(elbow's angle) of both arms.
 Source: C. Gosselin, J. Angeles, Singularity analysis of closed-loop kinematic chains, IEEE Transactions on Robotics and
 Automation 6 (3), 1990, pp. 281-290.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,8 @@ Array = np.ndarray
 #: Step of the derivatives of a determinant [rad, m].
 _STEP = 1e-6
 _CLOSED = 1e-8
+#: Condition numbers of J above this are worth a remark.
+NEAR = 50.0
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,10 @@ def parallel(guide: Guide, q: Array, t: float) -> float:
 
 
 def serial(guide: Guide, q: Array, t: float) -> float:
-    """det [Phi_x; P], NaN unless there are two inputs."""
+    """det [Phi_x; P] of two inputs, |J| of one, NaN of more."""
     loops, inputs, point = guide.rows(q, t)
+    if len(inputs) == 1:
+        return float(np.linalg.norm(jacobian(guide, q, t)))
     return float(np.linalg.det(np.vstack([loops, point]))) if len(inputs) == 2 else np.nan
 
 
@@ -55,6 +60,28 @@ def jacobian(guide: Guide, q: Array, t: float) -> Array:
         return np.asarray(point @ np.linalg.solve(np.vstack([loops, inputs]), given))
     except np.linalg.LinAlgError:
         return np.full((2, len(inputs)), np.inf)
+
+
+def remarks_on_path(guide: Guide, times: Array, qs: Array) -> Iterator[str]:
+    """What is to be said of a path (nt, nq) of a point moved by two inputs: singular positions on it, or near."""
+    loops, inputs, _ = guide.rows(qs[0], float(times[0]))
+    if len(inputs) != 2 or len(loops) + 2 != loops.shape[1]:
+        return
+    at = list(zip(qs, times.tolist(), strict=True))
+    sign = np.sign([serial(guide, q, t) for q, t in at])
+    passed = np.flatnonzero(sign[:-1] * sign[1:] <= 0.0)
+    condition = np.array([np.linalg.cond(jacobian(guide, q, t)) for q, t in at])
+    k = int(condition.argmax())
+    if passed.size:
+        yield (
+            f"{guide.point} passes a serial singular position at t = {times[passed[0] + 1]:.6g} s: "
+            "it cannot move in some direction there"
+        )
+    elif condition[k] > NEAR:
+        yield (
+            f"{guide.point} comes near a singular position at t = {times[k]:.6g} s: the condition number of "
+            f"dp/d(inputs) is {condition[k]:.3g} (fmbd kinematics tells which)"
+        )
 
 
 def nearest(guide: Guide, q: Array, t: float, kind: str) -> Singularity | None:

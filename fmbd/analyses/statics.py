@@ -12,7 +12,7 @@ from fmbd.analyses.frequencies import ROUND_OFF, stiffness_root
 from fmbd.analyses.jacobians import pathway_rows
 from fmbd.analyses.linearisation import Linearisation
 from fmbd.analyses.motions import allowed_motions, to_nodal_basis
-from fmbd.analyses.rest import brought_to, come_to_rest
+from fmbd.analyses.rest import brought_to, check_standing, come_to_rest
 from fmbd.analyses.stiffness import INDIFFERENT, dominant, tangent_stiffness
 from fmbd.model import Model, load_model
 from fmbd.planar.equations import energies
@@ -130,7 +130,8 @@ def equilibrium(
     moving: driven joints keep the speed that they have at that time, and the rest is at rest beside them, as in a
     rotating frame; otherwise they stand still where they are then.
 
-    Raises ModelError for the model, AnalysisError where there is no equilibrium, or none is found.
+    Raises ModelError for the model, AnalysisError where there is no equilibrium, or none is found, and where loops
+    cannot stand still beside joints that move.
     """
     if not isinstance(model, Model):
         model = load_model(model)
@@ -138,6 +139,7 @@ def equilibrium(
     names = loose_motors(system) if lock is None else motor_names(system, lock)
     arrangement = arrange(system, time, names, standing=not moving)
     q, z = brought_to(system, names, time), np.array(system.start.z)
+    check_standing(arrangement, q)
     lin, iterations = come_to_rest(arrangement, q, z)
     stiffness, shape = tangent_stiffness(lin)
     force = lin.motions.N.T @ lin.motions.M @ lin.acceleration

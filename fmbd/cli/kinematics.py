@@ -31,7 +31,7 @@ def add(commands: Any) -> None:
         description="Kinematics of the rigid mechanism, beams straight: where a point goes when joints move, which "
         "joints take it along a path, what it reaches over a grid of joint values; how well conditioned that is, and "
         "the nearest singular positions: parallel (type 2), where the joints do not hold the mechanism, and serial "
-        "(type 1), where the point cannot move in some direction.",
+        "(type 1), where the point cannot move in some direction, or moved by one joint does not move at all.",
     )
     add_model(parser)
     add_motion(parser)
@@ -87,34 +87,44 @@ def _facts(found: "Kinematics") -> Iterator[tuple[str, str]]:
         "point",
         f"x from {number(x0, 5)} to {number(x1, 5)} m, y from {number(y0, 5)} to {number(y1, 5)} m",
     )
-    worst = int(found.condition.argmax())
-    yield (
-        "condition",
-        f"of dp/d(inputs): from {number(found.condition.min(), 4)} to {number(found.condition[worst], 4)}, "
-        f"{_position(found, found.values[worst], found.place[worst])}",
-    )
+    if len(found.inputs) > 1:
+        worst = int(found.condition.argmax())
+        yield (
+            "condition",
+            f"of dp/d(inputs): from {number(found.condition.min(), 4)} to {number(found.condition[worst], 4)}, "
+            f"{_position(found, found.values[worst], found.place[worst])}",
+        )
     for kind in ("parallel", "serial"):
         yield kind, "; ".join(_singular(found, kind))
 
 
 def _singular(found: "Kinematics", kind: str) -> Iterator[str]:
-    """Determinants of a kind: their size, what is passed, what is near."""
-    values = getattr(found, kind)
+    """Measures of a kind: their size, what is passed, what is near."""
+    values, single = getattr(found, kind), kind == "serial" and len(found.inputs) == 1
     if values[0] != values[0]:
-        yield "- (two inputs make one)"
+        yield "- (of one or two inputs only)"
         return
-    yield f"determinant from {number(values.min(), 4)} to {number(values.max(), 4)}"
+    measure = f"|dp/d({found.inputs[0]})|" if single else "determinant"
+    yield f"{measure} from {number(values.min(), 4)} to {number(values.max(), 4)}"
     on_a_way = found.time[-1] > 0.0
-    passed = found.crossings(kind) if on_a_way else []
+    passed = found.crossings(kind) if on_a_way or single else []
     if passed:
-        times = ", ".join(f"{found.time[k]:.4g} s" for k in passed[:5])
-        yield f"PASSED at {times}{' ...' if len(passed) > 5 else ''}"
-        return
-    near = found.nearest(kind)
-    if near is None:
-        yield "no singular position found"
-    else:
+        shown = ", ".join(_passed(found, k) for k in passed[:5])
+        yield f"PASSED at {shown}{' ...' if len(passed) > 5 else ''}"
+    elif single:
+        k = int(values.argmin())
+        yield f"least {_position(found, found.values[k], found.place[k])}"
+    elif near := found.nearest(kind):
         yield f"nearest {number(near.distance, 4)} m away, {_position(found, near.inputs, near.place)}"
+    else:
+        yield "no singular position found"
+
+
+def _passed(found: "Kinematics", k: int) -> str:
+    """When, or on a grid of one input where, a singular position is passed."""
+    if found.time[-1] > 0.0:
+        return f"{found.time[k]:.4g} s"
+    return f"{found.inputs[0]} {number(found.values[k, 0], 4)}"
 
 
 def _position(found: "Kinematics", inputs: Any, place: Any) -> str:

@@ -147,10 +147,10 @@ def _gain(space: "StateSpace") -> "Table":
 
 
 def _response(space: "StateSpace", frequencies: "NDArray[Any]", k: int) -> "Table":
-    import numpy as np
+    from fmbd.analyses.sampling import phases
 
     response = space.frequency_response(frequencies)[:, :, k]
-    phase = np.degrees(np.unwrap(np.angle(response), axis=0))
+    phase = phases(space, frequencies)[:, :, k]
     table = columns("frequency [Hz]", *(f"{name} [{unit}]" for name, unit in space.outputs[:6]))
     for i, frequency in enumerate(frequencies):
         cells = (f"{abs(response[i, j]):.4e}  {phase[i, j]:7.1f}" for j in range(min(6, len(space.outputs))))

@@ -20,8 +20,10 @@ from fmbd.cli.common import (
     suffixed,
     write_plot,
 )
+from fmbd.errors import ModelError
 
 if TYPE_CHECKING:
+    from fmbd.model import Model
     from fmbd.studies.study import Study
 
 EPILOG = """\
@@ -88,7 +90,7 @@ def _over(text: str) -> tuple[str, list[Any]]:
 def _refine(args: argparse.Namespace) -> int:
     from fmbd.studies.refine import refine
 
-    model = read_model(args)
+    model = _read(args)
     with compiling_announced(), progress_bar(model.name) as on_progress:
         study = refine(
             model,
@@ -110,6 +112,14 @@ def _refine(args: argparse.Namespace) -> int:
     if study.is_interrupted:
         return INTERRUPTED
     return STOPPED if any(member.problem for member in study.members) else DONE
+
+
+def _read(args: argparse.Namespace) -> "Model":
+    """The model, at its finest if it is none without the values to refine, as segments of beams that stretch."""
+    try:
+        return read_model(args)
+    except ModelError:
+        return read_model(args, **{path: values[-1] for path, values in args.over})
 
 
 def _summarise(study: "Study") -> None:

@@ -125,7 +125,7 @@ def test_inverse_feeds_its_inputs_to_a_model(capsys, tmp_path):
         assert fact in out
     assert max(map(len, out.splitlines())) <= 150
     table = np.genfromtxt("inputs.csv", delimiter=",", names=True)
-    assert f"{np.abs(table['motor_leftvoltage']).max():.6g}" in out
+    assert f"{np.abs(table['motor_leftvoltageV']).max():.6g}" in out
     assert answer(capsys, "run", "fed.yaml", "--quiet")[0] == 0
     assert answer(capsys, "info", "forward.vtkhdf")[0] == 0
 

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 
 import fmbd
 from fmbd.analyses import bode, mode_shapes
+from fmbd.analyses.sampling import phases
 from fmbd.model import load_model_text
 from fmbd.results.plots.mechanism import BEAM
 
@@ -89,6 +90,19 @@ def test_a_bode_plot_is_the_response_with_its_resonances_at_their_height() -> No
 @pytest.mark.parametrize("model", ["five_bar", "cantilever", "slider_crank", "door", "verification/andrews"])
 def test_no_text_is_clipped_or_in_the_way(model: str) -> None:
     assert not overlaps(mode_shapes.draw(fmbd.modes(MODELS / f"{model}.yaml", about="start"), 12))
+
+
+def test_phases_of_few_frequencies_are_those_of_the_curve() -> None:
+    """Between five frequencies phases turn by more than a half turn: they are followed on the way."""
+    space = fmbd.linearize(MODELS / "five_bar.yaml", outputs=["elbow_right.angle"])
+    few = np.geomspace(0.1, 100.0, 5)
+    found, response = phases(space, few), space.frequency_response(few)
+    for k, axes in enumerate(bode.draw(space, few).axes[2:]):
+        x, y = axes.lines[0].get_data()
+        assert_allclose(found[:, 0, k], np.interp(np.log(few), np.log(x), y), atol=0.5)
+    assert_allclose(np.exp(1j * np.radians(found)), response / np.abs(response), atol=1e-9)
+    coarse = np.degrees(np.unwrap(np.angle(response), axis=0))
+    assert np.abs(found - coarse).max() == pytest.approx(720.0), "turns that five points do not show"
 
 
 def test_bode_plots_of_many_inputs_and_outputs_are_readable() -> None:

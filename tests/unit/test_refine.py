@@ -156,3 +156,21 @@ def test_what_holds_the_motors_of_an_equilibrium(capsys):
     assert (
         capsys.readouterr().err == "no quantity 'elbow_right.angle.rate': nothing moves at an equilibrium\n"
     )
+
+
+def test_a_model_that_needs_what_is_refined(capsys):
+    """Beams that stretch are none without segments: members are, each with its own."""
+    arguments = [
+        "--over",
+        "bodies.beam.segments=2,4",
+        "--set",
+        "bodies.beam.stretch=1e4",
+        "--analysis",
+        "modes",
+    ]
+    assert main(["refine", BEAM, *arguments, "--quantity", "frequency.1", "--jobs", "1"]) == 0
+    assert "bodies.beam.segments" in capsys.readouterr().out
+    assert (
+        main(["refine", BEAM, *arguments, "--set", "bodies.beam.elments=1", "--quantity", "frequency.1"]) == 2
+    )
+    assert "did you mean 'elements'" in capsys.readouterr().err

@@ -7,6 +7,7 @@ from scipy.interpolate import CubicSpline
 from simulation import G, columns, load, model, revolute
 
 import fmbd
+from fmbd.analyses.prescribed import read_file
 
 L, M, J = 0.6, 2.0, 0.1
 ROD = {"type": "rigid", "mass": M, "inertia": J, "center_of_mass": [L, 0], "points": {"end": [L, 0]}}
@@ -81,8 +82,8 @@ def test_voltage_of_a_motor(inductance):
     assert len(found.remarks) == (inductance > 0), "a run starts without the current that holds the mass"
 
 
-def test_double_pendulum_follows_a_circle():
-    """Its end goes round at 1 rad/s, from a start that is not the model's; fed forward it does so again."""
+def robot():
+    """Two arms of 0.5 m, a motor for each."""
     arm = {
         "type": "rigid",
         "mass": 1,
@@ -90,7 +91,7 @@ def test_double_pendulum_follows_a_circle():
         "center_of_mass": [0.25, 0],
         "points": {"end": [0.5, 0]},
     }
-    robot = model(
+    return model(
         gravity=[0, -G],
         bodies={"upper": arm, "lower": arm},
         joints={
@@ -104,12 +105,26 @@ def test_double_pendulum_follows_a_circle():
         initial={"joints": {"shoulder": -1.0, "elbow": 1.5}},
         simulation={"duration": 2, "rtol": 1e-11, "atol": 1e-11, "method": "dop853"},
     )
-    found = fmbd.inverse(robot, point="lower.end", path=["0.5 + 0.2*cos(t)", "-0.4 + 0.2*sin(t)"])
+
+
+def test_double_pendulum_follows_a_circle():
+    """Its end goes round at 1 rad/s, from a start that is not the model's; fed forward it does so again."""
+    found = fmbd.inverse(robot(), point="lower.end", path=["0.5 + 0.2*cos(t)", "-0.4 + 0.2*sin(t)"])
     assert found.error.max() < 1e-9
     again = found.forward()
     t = again.time
     circle = np.stack([0.5 + 0.2 * np.cos(t), -0.4 + 0.2 * np.sin(t)], axis=-1)
     assert_allclose(again["lower.end.position"], circle, rtol=0, atol=1e-8)
+
+
+def test_a_path_near_a_singular_position_is_remarked():
+    """The arms stretch to 0.9995 m of 1 m at 1 s: cos(e/2) = 0.9995, and J has about the condition number 5/e."""
+    short = robot().with_("simulation.output_interval", 0.05)
+    found = fmbd.inverse(short, point="lower.end", path=["0.8995 - 0.1*cos(pi*t)", "0"])
+    [remark] = found.remarks
+    assert "lower.end comes near a singular position at t = 1 s: the condition number" in remark
+    assert 5 / (2 * np.arccos(0.9995)) == pytest.approx(79, abs=0.1)
+    assert "is 79" in remark
 
 
 def test_rigid_five_bar_goes_where_it_is_sent():
@@ -156,6 +171,10 @@ def test_motors_without_a_motion_keep_their_inputs():
     motion = {"type": "smooth_step", "end": 0.5, "from": float(begin), "to": float(begin) + 0.2}
     found = fmbd.inverse(five_bar, joints={"shoulder_right": motion})
     assert found.motors == ("motor_right",)
+    kept = (
+        "no motion of shoulder_left is prescribed: motor_left keeps its controller position_control meanwhile"
+    )
+    assert kept in found.remarks
     control = 40 * (12 - found["motor_left.rotor"]) - 1.2 * found["motor_left.rotor.rate"]
     assert_allclose(found["motor_left.voltage"], control, rtol=1e-9)
     assert max(found.deviation(found.forward()).values()) < 1e-7
@@ -184,8 +203,35 @@ def test_files(tmp_path):
     again = fmbd.simulate(tmp_path / "fed.yaml")
     assert_allclose(again["rod_right.end.position"], found.path, rtol=0, atol=1e-6)
     found.save(tmp_path / "inputs.csv")
-    rows = np.genfromtxt(tmp_path / "inputs.csv", delimiter=",", names=True)
-    assert_allclose(rows["motor_rightvoltage"], found["motor_right.voltage"], rtol=1e-15)
+    heads, rows = columns_of(tmp_path / "inputs.csv")
+    assert heads[:3] == ["time[s]", "shoulder_right.angle[rad]", "shoulder_left.angle[rad]"]
+    assert heads[-2:] == ["rod_right.end.position.x[m]", "rod_right.end.position.y[m]"]
+    assert_allclose(rows[:, heads.index("motor_right.voltage[V]")], found["motor_right.voltage"], rtol=1e-15)
+
+
+def columns_of(path):
+    return path.read_text().splitlines()[0].split(","), np.loadtxt(path, delimiter=",", skiprows=1)
+
+
+def test_what_was_written_is_read_again(tmp_path):
+    """With units in its header or without, the joints among its columns, or the point."""
+    arm = {"type": "torque", "torque": 0}
+    found = fmbd.inverse(pendulum(arm), joints={"hinge": "0.2 + 0.5*t**3"})
+    found.save(tmp_path / "inputs.csv")
+    assert read_file(pendulum(arm), tmp_path / "inputs.csv").keys() == {"hinge"}
+    heads = (tmp_path / "inputs.csv").read_text().partition("\n")[0]
+    assert heads == "time[s],hinge.angle[rad],motor.torque[N m]"
+    again = fmbd.inverse(pendulum(arm), file=tmp_path / "inputs.csv")
+    assert_allclose(again.torque, found.torque, atol=1e-4)
+    (tmp_path / "plain.csv").write_text("time [s], hinge\n0, 0.2\n1, 0.2\n2, 0.3\n3, 0.4\n")
+    assert read_file(pendulum(arm), tmp_path / "plain.csv")["hinge"].values == (0.2, 0.2, 0.3, 0.4)
+    (tmp_path / "point.csv").write_text(
+        "time[s],rod.end.position.x[m],rod.end.position.y[m]\n0,0.6,0\n1,0.6,0\n"
+    )
+    assert read_file(pendulum(arm), tmp_path / "point.csv", "rod.end").keys() == {"x", "y"}
+    (tmp_path / "degrees.csv").write_text("time,hinge[deg]\n0,1\n1,2\n")
+    with pytest.raises(fmbd.ModelError, match="hinge is in deg: it is read in s, rad or m"):
+        read_file(pendulum(arm), tmp_path / "degrees.csv")
 
 
 def test_deflection_at_rest_is_compensated():

@@ -155,6 +155,14 @@ def test_dead_centres_of_a_slider_crank():
     assert_allclose(found.place[:, 0], 0.2 * np.cos(a) + side, atol=1e-12)
     slope = -0.2 * np.sin(a) - 0.2**2 * np.sin(a) * np.cos(a) / side
     assert_allclose(found.jacobian[:, :, 0], np.stack([slope, 0 * slope], axis=-1), atol=1e-11)
+    assert_allclose(found.serial, np.abs(slope), atol=1e-11)
+    assert found.crossings("serial") == [], "from 0.5 to 1.5 rad it goes one way"
+    assert "condition" not in found.data()
+    turned = fmbd.kinematics(engine, "piston.origin", sweep={"shaft": np.linspace(0.5, 7.0, 66)})
+    back = turned.values[turned.crossings("serial"), 0]
+    assert_allclose(back, [3.1, 6.2], atol=1e-9)  # the last before pi and 2 pi
+    around = fmbd.kinematics(engine, "crank.pin", sweep={"shaft": np.linspace(0.5, 7.0, 66)})
+    assert around.crossings("serial") == [] and np.allclose(around.serial, 0.2)
     pushed = fmbd.kinematics(engine, "crank.pin", joints={"guide": "0.66 + 0.02*t"})
     dead = pushed.nearest("parallel")
     assert_allclose(dead.inputs, [0.7], atol=1e-7)
@@ -165,8 +173,16 @@ def test_what_cannot_be_is_said():
     five_bar = load("five_bar.yaml", COARSE)
     with pytest.raises(fmbd.AnalysisError, match=r"2 degrees of freedom, but 1 input \(shoulder_left\)"):
         fmbd.kinematics(five_bar, "effector", joints={"shoulder_left": "1 + t"})
+    driven = two_links().with_("joints.first.driven", "t").with_("joints.second.driven", 0)
+    with pytest.raises(
+        fmbd.AnalysisError, match=r"0 degrees of freedom, but 1 input \(first\): .* of joints\.first"
+    ):
+        fmbd.kinematics(driven, "b.end", joints={"first": "t"})
     with pytest.raises(fmbd.AnalysisError, match=r"effector cannot reach \(0\.\d+, 0\.6\) at t = 0\.\d+ s"):
         fmbd.kinematics(five_bar, "effector", path=["0.1 + t", "0.6"])
+    # the farther foot is at (-0.3, 0): 0.9 m of reach, 1.8439 m away
+    with pytest.raises(fmbd.AnalysisError, match=r"reach \(1\.5, 0\.4\) at t = 0 s: .* misses by 0\.9439 m"):
+        fmbd.kinematics(five_bar, "effector", path=["1.5", "0.4"])
     with pytest.raises(fmbd.AnalysisError, match=r"the loops cannot be closed at t = .* with shoulder_right"):
         fmbd.kinematics(
             five_bar, "effector", joints={"shoulder_right": "0.98 - 3*t", "shoulder_left": "1.71"}

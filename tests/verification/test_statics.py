@@ -159,27 +159,34 @@ def test_a_mass_in_a_rotating_slot():
     assert any("spin.angle stands still" in remark for remark in standing.remarks)
 
 
-def test_a_crank_is_brought_to_its_place():
-    """A driven crank in a closed loop: the slider is at r cos(a) + sqrt(l^2 - r^2 sin(a)^2)."""
+def driven_slider_crank():
     crank = {"type": "rigid", "mass": 1, "inertia": 0.1, "points": {"pin": [0.2, 0]}}
     rod = {"type": "rigid", "mass": 1, "inertia": 0.1, "points": {"end": [0.5, 0]}}
-    rest = fmbd.equilibrium(
-        model(
-            gravity=[0, -G],
-            bodies={"crank": crank, "rod": rod},
-            joints={
-                "shaft": revolute("ground.origin", "crank.origin", driven="2*t"),
-                "pin": revolute("crank.pin", "rod.origin"),
-                "slider": {"type": "pin_in_slot", "between": ["ground.origin", "rod.end"]},
-            },
-            initial={"hints": {"pin": 0.1, "slider": {"x": 0.7}}},
-        ),
-        time=1.3,
+    return model(
+        gravity=[0, -G],
+        bodies={"crank": crank, "rod": rod},
+        joints={
+            "shaft": revolute("ground.origin", "crank.origin", driven="2*t"),
+            "pin": revolute("crank.pin", "rod.origin"),
+            "slider": {"type": "pin_in_slot", "between": ["ground.origin", "rod.end"]},
+        },
+        initial={"hints": {"pin": 0.1, "slider": {"x": 0.7}}},
     )
+
+
+def test_a_crank_is_brought_to_its_place():
+    """A driven crank in a closed loop: the slider is at r cos(a) + sqrt(l^2 - r^2 sin(a)^2)."""
+    rest = fmbd.equilibrium(driven_slider_crank(), time=1.3)
     a = 2.6
     assert_allclose(rest["slider.x"], 0.2 * np.cos(a) + np.sqrt(0.25 - 0.04 * np.sin(a) ** 2), rtol=1e-11)
     # virtual work: the rod's weight is at the pin
     assert_allclose(rest["shaft.angle.driving_moment"], G * 0.2 * np.cos(a), rtol=1e-9)
+
+
+def test_a_loop_does_not_stand_still_beside_its_crank():
+    """While the crank turns pin and slider must move: no equilibrium, even without anything that is free to move."""
+    with pytest.raises(fmbd.AnalysisError, match=r"shaft\.angle moves by 2 a second .* loop at pin\.y"):
+        fmbd.equilibrium(driven_slider_crank(), moving=True)
 
 
 def test_what_falls_for_ever_is_named():
