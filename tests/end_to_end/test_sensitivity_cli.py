@@ -27,7 +27,16 @@ def rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     Path("beam.yaml").write_text(BEAM)
 
     def asked(path: str) -> list[str]:
-        arguments = ["--quantity", "rod.end.deflection", "--analysis", "statics", "--jobs", "1"]
+        arguments = [
+            "--quantity",
+            "rod.end.deflection",
+            "--analysis",
+            "statics",
+            "--jobs",
+            "1",
+            "-o",
+            "found.h5",
+        ]
         assert main(["sensitivity", "beam.yaml", "--to", path, *arguments]) == 0
         out = capsys.readouterr().out
         return next(line for line in out.splitlines() if line.startswith("rod.end.deflection")).split(None, 5)
@@ -49,3 +58,11 @@ def test_noise_is_said_to_be_zero(rows) -> None:
     """What does not change has no relative derivative either."""
     error = rows("bodies.wheel.mass")[4:]
     assert re.fullmatch(r"\S+ zero, within the error", " ".join(error))
+
+
+@pytest.mark.parametrize("command", ["info", "plot", "report"])
+def test_its_file_says_what_it_is(rows, command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    rows("bodies.rod.length")
+    assert main([command, "found.h5"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("found.h5: derivatives of `fmbd sensitivity`, not the archive of a run")
