@@ -113,7 +113,9 @@ class SolidStage:
         look: Any = SHADING | {"opacity": opacity, "split_sharp_edges": sharp}
         if item.kind == "beam" and item.body in self.values:
             look |= {"scalars": "value", "cmap": "coolwarm", "clim": (-self.limit, self.limit)}
-            return self.plotter.add_mesh(mesh, scalar_bar_args=BAR | {"title": self.title + TITLE_GAP}, **look)
+            return self.plotter.add_mesh(
+                mesh, scalar_bar_args=BAR | {"title": self.title + TITLE_GAP}, **look
+            )
         return self.plotter.add_mesh(mesh, color=PAINT[item.kind], **look)
 
     def _mesh(self, item: Item, k: int) -> pv.PolyData:
