@@ -60,6 +60,12 @@ def test_noise_is_said_to_be_zero(rows) -> None:
     assert re.fullmatch(r"\S+ zero, within the error", " ".join(error))
 
 
+def test_a_whole_number_has_no_derivative(rows, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--quantity", "rod.end.deflection", "--analysis", "statics"]
+    assert main(["sensitivity", "beam.yaml", "--to", "bodies.rod.elements", *arguments]) == 2
+    assert capsys.readouterr().err.startswith("bodies.rod.elements: is a whole number, by which nothing")
+
+
 @pytest.mark.parametrize("command", ["info", "plot", "report"])
 def test_its_file_says_what_it_is(rows, command: str, capsys: pytest.CaptureFixture[str]) -> None:
     rows("bodies.rod.length")
