@@ -27,15 +27,16 @@ def draw(run: fmbd.Run, point: str, target: tuple[float, float], within: float) 
     figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     left.plot(*path.T, color=COLOURS[0])
-    left.plot(*target, "+", color=COLOURS[3], markersize=9, label="target")
+    left.plot(*target, "+", color=COLOURS[3], markersize=9)
     left.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", xmargin=0.1)
     left.margins(0.1)
-    left.legend()
+    left.annotate("target", target, xytext=(6, 6), textcoords="offset points", color=COLOURS[3])
     right.semilogy(run.time, 1e3 * distance, color=COLOURS[0])
     right.axhline(1e3 * within, color="0.5", linestyle="--", linewidth=0.8)
     right.set(xlabel="time [s]", ylabel="distance from the target [mm]")
     moment = settled(run.time, distance, within)
-    print(f"within {1e3 * within:g} mm for good: {moment:.3f} s; at the end: {1e3 * distance[-1]:.3g} mm")
+    when = "never" if np.isnan(moment) else f"{moment:.3f} s"
+    print(f"within {1e3 * within:g} mm for good: {when}; at the end: {1e3 * distance[-1]:.3g} mm")
     return figure
 
 

@@ -54,7 +54,8 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, default=MODELS / "pictures")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
-    for path in options.models or sorted(MODELS.rglob("*.yaml")):
+    every = set(MODELS.rglob("*.yaml")) - set(MODELS.rglob("*.case.yaml"))
+    for path in options.models or sorted(every):
         print(picture(path, options.folder))
 
 

@@ -5,15 +5,7 @@ from collections.abc import Iterator
 from math import degrees, tau
 from typing import TYPE_CHECKING, Any
 
-from fmbd.cli.common import (
-    DONE,
-    add_model,
-    columns,
-    facts,
-    read_model,
-    show,
-    shown,
-)
+from fmbd.cli.common import DONE, add_model, columns, facts, read_model, show, shown
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -173,6 +165,7 @@ def _start(system: "System") -> "Table":
 def _remarks(system: "System") -> Iterator[tuple[str, str]]:
     import numpy as np
 
+    from fmbd.results.looks import visuals
     from fmbd.results.watch import start_warnings
     from fmbd.system.closure import RigidMechanism
 
@@ -188,6 +181,7 @@ def _remarks(system: "System") -> Iterator[tuple[str, str]]:
         yield "remark", remark
     for warning in start_warnings(system):
         yield "warning", warning
+    yield from visuals(system)
 
 
 def _truncations(system: "System") -> Iterator[tuple[str, str]]:

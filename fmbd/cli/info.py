@@ -1,4 +1,4 @@
-"""`fmbd info`: how a run went, what its archive holds, and what can be asked of it."""
+"""`fmbd info`: how a run went, what its archive holds and can be asked for; what a study found."""
 
 import argparse
 from pathlib import Path
@@ -12,16 +12,32 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser(
         "info",
-        help="say how a run went and what its archive holds",
-        description="Say how a run went and what its archive holds; also while it is being written.",
+        help="say how a run went and what its archive holds, or what a study found",
+        description="Say how a run went and what its archive holds, also while it is being written; or what a study "
+        "found.",
     )
-    parser.add_argument("archive", metavar="ARCHIVE", type=Path, help="the file that `fmbd run` wrote")
+    parser.add_argument(
+        "archive", metavar="ARCHIVE", type=Path, help="the file that `fmbd run` wrote, or `fmbd refine`"
+    )
     parser.add_argument("--names", action="store_true", help="list all quantities that the archive gives")
     parser.set_defaults(command=_info)
 
 
 def _info(args: argparse.Namespace) -> int:
-    if args.names:
+    from fmbd.studies.summary import is_study, summary
+
+    if is_study(args.archive):
+        show(f"{args.archive}: a study", style="bold")
+        show(
+            facts(
+                [
+                    *summary(args.archive),
+                    ("next", f"fmbd report {args.archive}"),
+                    ("", f"fmbd plot {args.archive}"),
+                ]
+            )
+        )
+    elif args.names:
         _list(args.archive)
     else:
         _describe(args.archive)

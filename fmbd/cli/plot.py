@@ -84,7 +84,7 @@ def _plot(args: argparse.Namespace) -> int:
     from fmbd.results.plots.plot import charts, figures
     from fmbd.results.plots.style import WIDTH, save
     from fmbd.results.run import open_run
-    from fmbd.studies.study_file import is_study
+    from fmbd.studies.summary import is_study
 
     if is_study(args.archive):
         return _plot_study(args)

@@ -33,7 +33,8 @@ def add(commands: Any) -> None:
 def _report(args: argparse.Namespace) -> int:
     from fmbd.results.report.page import report
     from fmbd.results.run import open_run
-    from fmbd.studies.study_file import is_study, open_study
+    from fmbd.studies.study_file import open_study
+    from fmbd.studies.summary import is_study
 
     output = args.output or Path(f"{args.archive.stem}.html")
     try:

@@ -10,7 +10,6 @@ from fmbd.cli.common import (
     add_model,
     columns,
     compiling_announced,
-    number,
     progress_bar,
     read_model,
     show,
@@ -120,15 +119,16 @@ def _table(found: "Sensitivity", path: str) -> "Table":
         if one.parameter != path:
             continue
         for what, at in one.numbers.items():
-            share = at.derivative * one.nominal / at.value if at.value else float("nan")
+            is_zero = abs(at.derivative) <= at.error
+            share = at.derivative * one.nominal / at.value if at.value else 0.0
             column, _, what = what.rpartition(" ")
             name = f"{one.quantity}.{column}".rstrip(".")
             table.add_row(
                 f"{name}{'' if found.time is None else f', {what}'} [{one.unit}]",
-                number(at.value, 9),
-                number(at.derivative, 9),
+                f"{at.value:.9g}",
+                f"{at.derivative:.9g}",
                 f"{at.error:.1e}",
-                f"{share:.4g}" if share else "",
-                "the error is as large" if at.error >= abs(at.derivative) > 0.0 else "",
+                f"{share:.4g}" if share and not is_zero else "",
+                "zero, within the error" if is_zero else "",
             )
     return table

@@ -6,6 +6,7 @@ folded into a constant, so that a number written as an expression is a program o
 
 import ast
 import math
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from functools import lru_cache
@@ -73,6 +74,8 @@ _OPERATORS: dict[type[ast.AST], str] = {
     ast.Pow: "pow",
     ast.USub: "neg",
 }
+_UNITS = r"[mcdk]?m|in|ft|[km]?g|t|k?N|[kMG]?Pa|m?s|Hz|m?V|m?A|deg|rad"
+_has_unit = re.compile(rf"[-+]?[\d.]+(?:e[-+]?\d+)?\s*(?:(?:{_UNITS})\b.*|°)").fullmatch
 _VARIADIC = ("min", "max")
 
 FUNCTIONS = frozenset(_UNARY) - {"neg"} | {"atan2", "hypot", *_VARIADIC}
@@ -118,6 +121,9 @@ def _parse(text: str) -> ast.expr:
             warnings.simplefilter("ignore")
             return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
+        if _has_unit(text.strip()):
+            advice = "write the number alone: lengths are in metres, angles in radians, all is in SI units"
+            raise ExpressionError(f"'{shortened(text)}' has a unit: {advice}") from None
         raise ExpressionError(f"cannot read the expression '{shortened(text)}'") from None
 
 
@@ -159,7 +165,8 @@ def _value_of_name(name: str, parameters: Mapping[str, float], time: bool) -> Pr
         raise ExpressionError("must not depend on the time t: only signals do")
     if name in FUNCTIONS:
         raise ExpressionError(f"the function '{name}' needs its argument in parentheses")
-    raise ExpressionError(unknown("name", name, parameters))
+    switch = "; a switch is true or false" if name.lower() in ("yes", "no", "on", "off") else ""
+    raise ExpressionError(unknown("name", name, parameters) + switch)
 
 
 def _check_call(name: str, count: int) -> None:

@@ -7,9 +7,12 @@ from typing import Any
 from fmbd.errors import ModelError
 from fmbd.model.document import MAX_BYTES, parse
 from fmbd.model.model import Model
-from fmbd.model.names import did_you_mean
+from fmbd.model.names import closest
 from fmbd.model.overrides import apply_overrides
 from fmbd.model.reader import read_document
+
+#: How a file of HDF5 begins.
+HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 def load_model(path: str | Path, overrides: Mapping[str, Any] | None = None) -> Model:
@@ -21,6 +24,9 @@ def load_model(path: str | Path, overrides: Mapping[str, Any] | None = None) -> 
             raise ModelError([f"{label}: there is no such file{_resembling(path)}"])
         if not path.is_file():
             raise ModelError([f"{label}: is not a file"])
+        with path.open("rb") as file:
+            if file.read(len(HDF5)) == HDF5:
+                raise ModelError([f"{label}: holds results, not a model: `fmbd info {label}` says which"])
         if path.stat().st_size > MAX_BYTES:
             raise ModelError([f"{label}: has more than {MAX_BYTES} bytes"])
         text = path.read_bytes().decode("utf-8-sig")
@@ -52,8 +58,7 @@ def load_model_text(
 
 def _resembling(path: Path) -> str:
     try:
-        return did_you_mean(
-            path.name, [file.name for file in path.parent.iterdir() if file.suffix == path.suffix]
-        )
+        near = closest(path.stem, [file.stem for file in path.parent.iterdir() if file.suffix == path.suffix])
     except OSError:
         return ""
+    return f", did you mean '{near}{path.suffix}'?" if near else ""

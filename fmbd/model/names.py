@@ -26,6 +26,13 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f", did you mean '{close}'?" if close else ""
 
 
+def unknown_key(name: str, known: Iterable[str]) -> str:
+    """The message for a key that is not there: what it may have been, or else those that there are."""
+    known = list(known)
+    hint = did_you_mean(name, known) or (f" (known: {', '.join(known)})" if known else "")
+    return f"unknown key '{name}'{hint}"
+
+
 def unknown(kind: str, name: str, known: Iterable[str], owner: str = "") -> str:
     """The message for a reference that leads nowhere; `owner` says whose the name would be."""
     known = list(known)

@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails, InitErrorDetails
 
 from fmbd.errors import ModelError
 from fmbd.model.document import Document
-from fmbd.model.names import closest, described, did_you_mean
+from fmbd.model.names import closest, described, did_you_mean, unknown_key
 
 MAX_PROBLEMS = 100
 
@@ -85,7 +85,7 @@ def _translated(details: ErrorDetails, keys: Iterable[str]) -> InitErrorDetails:
             location = location[:-1]
         case "extra_forbidden":
             known = keys if len(location) == 1 else ()
-            problem = AtKey(f"unknown key '{location[-1]}'{did_you_mean(str(location[-1]), known)}")
+            problem = AtKey(unknown_key(str(location[-1]), known))
         case "union_tag_not_found":
             problem = ValueError("missing key 'type'")
         case "union_tag_invalid":

@@ -9,7 +9,7 @@ from fmbd.model.checks import check_model
 from fmbd.model.context import Context
 from fmbd.model.document import Document
 from fmbd.model.fileformat import FAMILIES, FORMAT, ModelFile, adapter, kinds
-from fmbd.model.names import described, did_you_mean
+from fmbd.model.names import described, unknown_key
 from fmbd.model.parameters import read_parameters
 from fmbd.model.points import GROUND, checked_name
 from fmbd.model.problems import AtKey, Problems
@@ -51,7 +51,7 @@ def read_document(document: Document, path: Path | None, files: dict[str, str]) 
 def _check_keys(data: dict[str, Any], problems: Problems) -> None:
     for key in data:
         if key not in ModelFile.model_fields:
-            problems.add((key,), AtKey(f"unknown key '{key}'{did_you_mean(key, ModelFile.model_fields)}"))
+            problems.add((key,), AtKey(unknown_key(key, ModelFile.model_fields)))
     if "fmbd" not in data:
         problems.add((), f"missing key 'fmbd', the version of the file format: write 'fmbd: {FORMAT}'")
     if not data.get("bodies"):

@@ -21,6 +21,13 @@ T = TypeVar("T")
 ATTEMPTS = 20
 PAUSE = 0.01
 
+#: Files of other commands, by a group that only they have.
+OTHERS = {
+    "members": "a study, not the archive of a run: `fmbd info`, `fmbd plot` and `fmbd report` read it",
+    "derivatives": "derivatives of `fmbd sensitivity`, not the archive of a run: any reader of HDF5 opens it, such as "
+    "h5py; they are in /derivatives",
+}
+
 
 class Archive:
     """A run read back from its file.
@@ -139,6 +146,9 @@ class Archive:
     def _check_identity(self, file: h5py.File) -> None:
         if "fmbd_version" not in file.attrs:
             raise ArchiveError(f"{self.path}: not an fmbd archive (it has no fmbd_version)")
+        for group, what in OTHERS.items():
+            if group in file:
+                raise ArchiveError(f"{self.path}: {what}")
         if self.attributes and self.attributes["started"] != file.attrs["started"]:
             raise ArchiveError(f"{self.path}: replaced by another run since it was opened")
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numba.core.event import TimingListener, install_listener
 
 from fmbd.model import Model, load_model
 from fmbd.results.archive import ArchiveWriter
@@ -124,7 +125,8 @@ def _compute(
     statistics = Statistics(system.model.simulation.method)
     largest = dict.fromkeys(("constraint_error", "velocity_constraint_error", "energy_balance"), 0.0)
     written = 0
-    with Interruption() as interruption:
+    compiling = TimingListener()
+    with Interruption() as interruption, install_listener("numba:compile", compiling):
 
         def progress(reached: float) -> None:
             interruption.watch()
@@ -157,6 +159,7 @@ def _compute(
             _summary(system, statistics)
             | {"warnings": "\n".join(watch.warnings())}
             | {f"largest_{name}": value for name, value in largest.items()}
+            | {"compile_time": compiling.duration if compiling.done else 0.0}
             | {"wall_time": clock.perf_counter() - wall, "cpu_time": clock.process_time() - cpu},
         )
 

@@ -28,7 +28,10 @@ def report(study: Study) -> str:
     remarks += [f"Time: {text}." for text in share_of_time(study)]
     parts = {
         "counts": escape(f"refinement of {axes}"),
-        "verdicts": facts.listed((result.verdict for result in study.results), "verdicts"),
+        "verdicts": "".join(
+            facts.listed((result.verdict for result in study.results if result.is_certain is certain), kind)
+            for certain, kind in ((True, "verdicts"), (False, "warnings"))
+        ),
         "remarks": facts.listed(remarks, "warnings" if failed else "quiet"),
         "tables": "".join(_table(study, k) for k in range(len(study.results))),
         "legend": LEGEND,

@@ -112,7 +112,7 @@ def sensitivity(
     family = [{}, *(_loose(model) if asked.kind == "run" else ())]
     first = len(family)
     family += [{path: p + way * steps[path]} for path, p in nominal.items() for way in (1.0, -1.0, 0.5, -0.5)]
-    tasks = [partial(_measured, changed(model, changes), tuple(quantities), asked) for changes in family]
+    tasks = [partial(_measured, _varied(model, changes), tuple(quantities), asked) for changes in family]
     results = dict(side_by_side(tasks, jobs, on_progress))
     found = [_complete(changes, results[k]) for k, changes in enumerate(family)]
     base, loose = found[0], found[1] if first == 2 else None
@@ -169,6 +169,18 @@ def _loose(model: Model) -> Iterator[dict[str, Any]]:
     """Changes of the run that shows the noise."""
     simulation = model.simulation
     yield {"simulation.rtol": _LOOSER * simulation.rtol, "simulation.atol": _LOOSER * simulation.atol}
+
+
+def _varied(model: Model, changes: Mapping[str, Any]) -> Model:
+    """The changed model; raises ModelError, also for what cannot be changed by a little."""
+    try:
+        return changed(model, changes)
+    except ModelError as error:
+        if "must be a whole number" not in str(error):
+            raise
+        (path,) = changes
+        problem = "is a whole number, by which nothing can be differentiated: `fmbd refine` compares several"
+        raise ModelError([f"{path}: {problem}"]) from None
 
 
 def _measured(model: Model, names: Sequence[str], analysis: Analysis, report: Report) -> Measured:

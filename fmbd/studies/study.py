@@ -64,6 +64,11 @@ class Result:
         return self.time_error.mean / last if self.time_error is not None and last > 0.0 else None
 
     @property
+    def is_certain(self) -> bool:
+        """Whether the error of the finest is known, not guessed."""
+        return self.found.is_exact or self.found.is_settled
+
+    @property
     def verdict(self) -> str:
         """How right the finest is, and what is enough, in one plain sentence."""
         key, finest, share = self.axis.key, self.values[-1], percent(self.found.shares()[-1])
@@ -72,7 +77,10 @@ class Result:
         if self.found.is_settled:
             begin = f"{self.quantity} converges with order {self.found.order:.2g} in {key}"
             return f"{begin}: {finest:g} is right to {share}, {self._enough()}"
-        begin = f"{self.quantity}: not in the asymptotic range of {key} ({self._reason})"
+        if len(self.found.orders) < 2:
+            begin = f"{self.quantity}: too few members to tell an order in {key} (it takes four)"
+        else:
+            begin = f"{self.quantity}: not in the asymptotic range of {key} ({self._reason})"
         return f"{begin}; {finest:g} is right to about {share}, {self._enough()}"
 
     def _enough(self) -> str:
@@ -88,8 +96,6 @@ class Result:
     def _reason(self) -> str:
         """Why no order is settled."""
         orders = self.found.orders
-        if len(orders) < 2:
-            return "it takes four members to tell"
         if self.time_share is not None and self.time_share > 0.1:
             return "the time integration disturbs it"
         if any(np.isnan(order.order) for order in orders[-2:]):

@@ -30,6 +30,7 @@ from fmbd.results.layout import provenance
 from fmbd.studies.convergence import Size
 from fmbd.studies.measure import COMPLETE, Analysis, Measured
 from fmbd.studies.study import Axis, Member, Result, Study
+from fmbd.studies.summary import is_study
 
 
 def write_study(study: Study, path: Path) -> None:
@@ -81,15 +82,6 @@ def open_study(path: str | Path) -> Study:
         is_interrupted=bool(attributes.pop("is_interrupted")),
         attributes=attributes,
     )
-
-
-def is_study(path: str | Path) -> bool:
-    """Whether a file is a study."""
-    try:
-        with h5py.File(path) as file:
-            return "members" in file and "axes" in file.attrs
-    except OSError:
-        return False
 
 
 def _read_member(group: h5py.Group) -> Member:

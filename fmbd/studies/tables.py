@@ -1,6 +1,7 @@
 """What a study says in words and numbers: a table of each result, what failed, what the integration over time takes."""
 
 from collections.abc import Iterator
+from math import isnan
 
 from numpy import ndarray as Array
 
@@ -55,8 +56,9 @@ def _bound(result: Result, share: float) -> str:
 
 
 def _orders(result: Result) -> list[str]:
-    """The order at the last of each three in a row."""
-    return ["", "", *(f"{order.order:.2f}" for order in result.found.orders)][: len(result.values)]
+    """The order at the last of each three in a row, - where there is none."""
+    orders = [order.order for order in result.found.orders]
+    return ["", "", *("-" if isnan(order) else f"{order:.2f}" for order in orders)][: len(result.values)]
 
 
 def failures(study: Study) -> Iterator[str]:

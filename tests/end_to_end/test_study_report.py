@@ -141,6 +141,17 @@ def test_a_study_comes_back_from_its_file(path: Path, study: fmbd.Study, tmp_pat
     assert study.result(QUANTITY).verdict in (tmp_path / "a.html").read_text()
 
 
+def test_info_says_what_a_study_found(
+    path: Path, study: fmbd.Study, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["info", str(path)]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert study.result(QUANTITY).verdict in told
+    assert "bodies.*.elements = 1, 2, 4, 8 members 4, 4 of them complete" in told
+    assert main(["export", str(path), "a.csv"]) == 2
+    assert capsys.readouterr().err.startswith(f"{path}: a study, not the archive of a run: `fmbd info`")
+
+
 def test_what_a_study_cannot_do_is_answered_in_one_line(
     path: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

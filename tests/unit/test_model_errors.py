@@ -102,7 +102,10 @@ MISTAKES = [
     ("section: strip", "section: {start: strip, end: stri}", "bodies.rod_right.section.end: unknown section 'stri'"),
     ("section: strip", "section: [{until: 0.6, section: strip}, {section: strip}]", "section[0].until: must lie between 0"),
     ("section: strip", "section: [{until: 0.4, section: strip}]", "section[0].until: the last piece must end with the beam"),
+    ("elements: 1", "elements: 1\n    rotary_inertia: yes", "bodies.rod_right.rotary_inertia: unknown name 'yes' (known: l1, l2, base, stiffness); a switch is true or false"),
+    ("length: l2", "length: 500 mm", "bodies.rod_right.length: '500 mm' has a unit: write the number alone: lengths are in metres"),
     # joints
+    ("{type: revolute", "{type: revolute, motion: 1", "joints.shoulder_right: unknown key 'motion' (known: type, between, "),
     ("crank_right.A", "crank_rigth.A", "joints.elbow_right.between[0]: unknown body 'crank_rigth', did you mean 'crank_right'?"),
     ("crank_right.A", "crank_right.B", "joints.elbow_right.between[0]: unknown point 'B' of 'crank_right'"),
     ("crank_right.A", "crank_right", "must be a point such as 'rod.end' or 'ground.origin', not 'crank_right'"),

@@ -127,6 +127,16 @@ class TestFiles:
         ):
             load_model(tmp_path / "fivebar.yaml")
 
+    def test_a_name_is_not_like_another_for_its_suffix_alone(self, tmp_path):
+        (tmp_path / "fed.yaml").write_text("fmbd: 1")
+        with pytest.raises(ModelError, match=r"nofile.yaml: there is no such file$"):
+            load_model(tmp_path / "nofile.yaml")
+
+    def test_an_archive_is_no_model(self, tmp_path):
+        (tmp_path / "run.vtkhdf").write_bytes(b"\x89HDF\r\n\x1a\n\0")
+        with pytest.raises(ModelError, match=r"run.vtkhdf: holds results, not a model: `fmbd info "):
+            load_model(tmp_path / "run.vtkhdf")
+
     @pytest.mark.parametrize("content", [b"\xff\xfe", b"fmbd: \x80"])
     def test_other_encodings_are_named(self, tmp_path, content):
         (tmp_path / "m.yaml").write_bytes(content)

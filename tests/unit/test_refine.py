@@ -1,6 +1,7 @@
 """Families of models, ever finer: members, verdicts, files, and what is refused."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -9,6 +10,8 @@ from numpy.testing import assert_allclose
 
 import fmbd
 from fmbd.cli import main
+from fmbd.studies.convergence import Order
+from fmbd.studies.tables import table
 
 MODELS = Path(__file__).parents[2] / "models"
 BEAM = str(MODELS / "verification" / "beam.yaml")
@@ -35,6 +38,21 @@ def test_the_frequency_of_a_cantilever_with_its_error():
         "frequency.1 converges with order 3.9 in elements: 8 is right to 0.00028 %, "
         "1 is enough for 1 %, 2 is enough for 0.1 %"
     )
+
+
+def test_three_members_are_too_few_to_be_certain():
+    """So the verdict says, and it stands in no green box; where there is no order, the table has a dash."""
+    study = fmbd.refine(BEAM, {ELEMENTS: [1, 2, 4]}, ["frequency.1"], analysis="modes")
+    (result,) = study.results
+    assert result.verdict.startswith(
+        "frequency.1: too few members to tell an order in elements (it takes four); 4 is right to about"
+    )
+    page = study.report()
+    assert '<ul class="verdicts">' not in page
+    assert f'<ul class="warnings"><li>{result.verdict}</li></ul>' in page
+    exact = replace(result.found, orders=(Order(float("nan"), 0.0),))
+    _, headings, rows = table(study, replace(result, found=exact))
+    assert rows[2][headings.index("order")] == "-"
 
 
 def test_several_values_are_refined_from_the_finest_of_the_others():

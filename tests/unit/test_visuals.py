@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fmbd
+from fmbd.cli import main
 from fmbd.model import load_model_text, visuals
 
 CORNERS = np.array([[0, 0, 0], [40, 0, 0], [0, 30, 0], [0, 0, 10]], float)
@@ -64,6 +65,22 @@ def test_it_is_scaled_turned_and_placed(tmp_path: Path) -> None:
     )
     expected = np.array([[0.5, 0, 0], [0.5, 0.04, 0], [0.47, 0, 0], [0.5, 0, 0.01]])
     assert_allclose(sorted(placed.points), sorted(expected.tolist()), atol=1e-9)
+
+
+def test_a_mesh_in_millimetres_is_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The rod is 1 m long; the mesh is 40 m x 30 m x 10 m as it is, 40 mm large in millimetres, then 4 mm."""
+    write_mesh(tmp_path / "crank.stl")
+    wrong = (
+        "warning crank: the mesh is 40 m large, the mechanism 1 m: is the file in millimetres? scale: 0.001"
+    )
+    fine = "visual crank: crank.stl, 0.8 x 0.6 x 0.2 m"
+    small = "warning crank: the mesh is 0.04 m large, the mechanism 1 m: is its scale right?"
+    for scale, said in (1, wrong), (0.02, fine), (0.001, small):
+        load(tmp_path, f"{{file: crank.stl, scale: {scale}}}")
+        assert main(["check", str(tmp_path / "rig.yaml")]) == 0
+        out = " ".join(capsys.readouterr().out.split())
+        assert said in out
+        assert ("the mesh is" in out) == (said is not fine)
 
 
 def refusal(folder: Path, visual: str) -> str:

@@ -35,16 +35,17 @@ SHADING: Any = {"smooth_shading": True, "ambient": 0.25, "diffuse": 0.8, "specul
 #: The bar of colours, and the share of the picture that it is left.
 BAR: Any = {
     "color": INK,
-    "title_font_size": 18,
-    "label_font_size": 15,
+    "title_font_size": 16,
+    "label_font_size": 14,
     "n_labels": 3,
     "fmt": "%.3g",
     "width": 0.4,
-    "height": 0.1,
+    "height": 0.13,
     "position_x": 0.57,
     "position_y": 0.02,
 }
-BAR_SHARE = 0.14
+BAR_SHARE = 0.16
+TITLE_GAP = "\n "  # keeps it off the numbers
 THEME = pv.themes.DocumentTheme()  # on white
 VIEWS = {"front": (0.0, 0.0, 1.0), "tilted": (0.0, -0.4, 1.0)}
 DEFORMING = ("beam", "spring")
@@ -112,7 +113,9 @@ class SolidStage:
         look: Any = SHADING | {"opacity": opacity, "split_sharp_edges": sharp}
         if item.kind == "beam" and item.body in self.values:
             look |= {"scalars": "value", "cmap": "coolwarm", "clim": (-self.limit, self.limit)}
-            return self.plotter.add_mesh(mesh, scalar_bar_args=BAR | {"title": self.title}, **look)
+            return self.plotter.add_mesh(
+                mesh, scalar_bar_args=BAR | {"title": self.title + TITLE_GAP}, **look
+            )
         return self.plotter.add_mesh(mesh, color=PAINT[item.kind], **look)
 
     def _mesh(self, item: Item, k: int) -> pv.PolyData:
