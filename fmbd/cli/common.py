@@ -135,7 +135,7 @@ def compiling_announced(quiet: bool = False) -> Iterator[None]:
 
         def on_start(self, event: Any) -> None:
             if not self.said:
-                print("compiling the kernels: once on this computer, up to a minute ...", file=sys.stderr)
+                print("compiling the kernels: once on this computer, a minute or two ...", file=sys.stderr)
             self.said = True
 
         def on_end(self, event: Any) -> None:
