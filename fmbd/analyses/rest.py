@@ -21,7 +21,8 @@ from fmbd.system import System
 Array = np.ndarray
 
 ITERATIONS = 200
-#: A turn [rad] of a joint, and a share of the mechanism's size that it slides, in one step at most.
+#: A turn [rad] of a joint or by beams that bend, and a share of the mechanism's size that a joint slides, in one step
+#: at most.
 LONGEST = 0.5
 #: A step of this size [rad, m] has arrived: the next is the last.
 SMALL = 1e-9
@@ -101,12 +102,15 @@ def _nearer(lin: Linearisation, there: Linearisation, u: Array, share: float) ->
 
 
 def _length(system: System, q: Array, dq: Array) -> float:
-    """A step in units of the longest that is taken; of joints, not of beams and rotors."""
+    """A step in units of the longest that is taken, of joints, and of how far beams bend; rotors may turn."""
     bodies = system.planar.bodies[system.planar.bodies["rotor"] == 0]["coordinate"]
     turning, sliding = bodies[:, 2], bodies[:, :2].ravel()
-    turn = np.abs(dq[turning[turning >= 0]]).max(initial=0.0) / LONGEST
-    reach = float(np.ptp(system.reference.stations(q, 0.0)[0], axis=0).max()) or 1.0
-    return max(turn, np.abs(dq[sliding[sliding >= 0]]).max(initial=0.0) / (LONGEST * reach))
+    turn = np.abs(dq[turning[turning >= 0]]).max(initial=0.0)
+    places, _, moved = system.reference.stations(q, 0.0)
+    bent = np.abs(moved[:, 2, :-1] @ (dq * system.elastic)).max(initial=0.0)
+    reach = float(np.ptp(places, axis=0).max()) or 1.0
+    slid = np.abs(dq[sliding[sliding >= 0]]).max(initial=0.0) / reach
+    return float(max(turn, bent, slid)) / LONGEST
 
 
 def brought_to(system: System, held: list[str], time: float) -> Array:

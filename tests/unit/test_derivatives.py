@@ -104,7 +104,7 @@ MISTAKES = [
     ("bodies.rod.material", "bodies.rod.material: the model file has no number there"),
     ("simulation.duration", "simulation.duration: the model file has no number there"),
     ("gravity.*", "gravity.*: these are different numbers, -9, 0"),
-    ("bodies.rod.elements", "arm.yaml: bodies.rod.elements: must be a whole number, is 1.001"),
+    ("bodies.rod.elements", "bodies.rod.elements: is a whole number, by which nothing can be differentiated"),
 ]  # fmt: skip
 
 
