@@ -62,6 +62,8 @@ class Linearisation:
         self._shortening = bool((planar.bodies["axial"] >= 0).any())
         self.acceleration, self.state_rates = arrangement.rates(*self._modal)
         self._hold()
+        #: generalised forces, shape (nq,), those of constraints included
+        self.force = self.motions.M @ self.acceleration if inertial else self._force_at_rest()
         self._gains = {} if self._shortening else self._compensation()
 
     def _hold(self) -> None:
@@ -75,10 +77,18 @@ class Linearisation:
         arrangement.feed(more, [fed[m] + more[m] for m in more])
         self.acceleration, self.state_rates = arrangement.rates(*self._modal)
 
+    def _force_at_rest(self) -> Array:
+        """Forces without those of inertia; `work` is left as the tangent needs it, its multipliers as they are."""
+        (q, v, z), planar = self._modal, self.system.planar
+        force, rates = np.zeros_like(q), np.zeros_like(z)
+        still = np.zeros_like(q)
+        evaluate_residual(planar, self.system.work, self.arrangement.t, q, v, z, rates, still, force)
+        return force
+
     @property
     def unbalanced(self) -> Array:
         """Accelerations and rates of the states of x, shape (nx,): 0 at an equilibrium."""
-        pull = self.motions.N.T @ self.motions.M @ self.acceleration
+        pull = self.motions.N.T @ self.force
         return np.concatenate([np.zeros(self.freedom), pull, self.state_rates[self.states]])
 
     @cached_property
@@ -197,8 +207,7 @@ class Linearisation:
         self.arrangement.rates(q, v, z)  # leaves in `work` what the tangent is taken of
         x, dz = np.zeros_like(v0.T), np.zeros_like(rates.T)
         if not self._inertial:
-            none, residual, slopes = np.zeros_like(q), np.zeros_like(q), np.zeros_like(z)
-            evaluate_residual(system.planar, system.work, self.arrangement.t, q, v, z, slopes, none, residual)
+            self._force_at_rest()
         given = [np.ascontiguousarray(part.T) for part in (v0, a0, force, rates)]
         w = np.array(weights)
         for k in range(len(x)):

@@ -96,7 +96,7 @@ def _listed(names: tuple[str, ...]) -> str:
 def _nearer(lin: Linearisation, there: Linearisation, u: Array, share: float) -> bool:
     """Whether the step that would follow, by the same tangent, is shorter (Deuflhard's natural monotonicity)."""
     f = lin.freedom
-    pull = lin.motions.N.T @ there.motions.M @ there.acceleration
+    pull = lin.motions.N.T @ there.force
     b = np.concatenate([np.zeros(f), pull, there.state_rates[there.states]])
     return bool(np.linalg.norm(damped_step(lin, 0.0, b)) <= (1.0 - 0.25 * share) * np.linalg.norm(u))
 

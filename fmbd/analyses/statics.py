@@ -142,7 +142,7 @@ def equilibrium(
     check_standing(arrangement, q)
     lin, iterations = come_to_rest(arrangement, q, z)
     stiffness, shape = tangent_stiffness(lin)
-    force = lin.motions.N.T @ lin.motions.M @ lin.acceleration
+    force = lin.motions.N.T @ lin.force
     lowest = float(stiffness[0]) if stiffness.size else np.inf
     first = np.abs(stiffness - lowest) <= INDIFFERENT
     return Equilibrium(

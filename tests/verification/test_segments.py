@@ -9,7 +9,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.optimize import root
 
 import fmbd
 from fmbd.analyses import natural_frequencies
@@ -33,16 +32,11 @@ def assembled(text, segments, **changes):
 
 
 def equilibrium(system):
-    """Coordinates (nq,) at which nothing accelerates what rests."""
-    still = np.zeros(system.planar.nq)
-    m = system.matrices()
-
-    def sag(q):
-        return np.linalg.solve(m.K, m.M @ system.accelerations(q, still)[0])
-
-    found = root(sag, still, method="hybr", tol=1e-13).x
-    assert np.abs(sag(found)).max() < 1e-8
-    return found
+    """Coordinates (nq,) at which the matrices, an independent formulation, find no force."""
+    q = fmbd.equilibrium(system.model).run.position[-1]
+    m = system.matrices(q, np.zeros_like(q))
+    assert np.abs(np.linalg.solve(m.K, m.B @ m.u + m.f - m.K @ q - m.g)).max() < 1e-12
+    return q
 
 
 def end_of(system, q):
