@@ -8,6 +8,7 @@ round-off of what is stiff: M^-1 magnifies it.
 with dq = bq x, dv = bv x + v0, as in fmbd.planar.linearise. Coordinates are modal.
 """
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +21,15 @@ Array = np.ndarray
 
 _STEP = 1e-4  # of an angle [rad] or a slope, of a place in extents of the mechanism
 _COMPLEX_STEP = 1e-200
+
+
+def by_differences(function: Callable[[Array], Array], x: Array, steps: Array) -> Array:
+    """Changes (m, k) of a function (m,) at x (n,), per each of the steps (k, n): central differences, extrapolated."""
+    columns = []
+    for step in steps:
+        near, far = (function(x + m * step) - function(x - m * step) for m in (1.0, 2.0))
+        columns.append((8.0 * near - far) / 12.0)
+    return np.array(columns).T
 
 
 class DenseTangent:
@@ -77,16 +87,9 @@ class DenseTangent:
         acceleration, _ = self._arrangement.rates(q, v, z)  # leaves its multipliers in `work`
         if not self._inertial:
             acceleration[:] = 0.0
+        steps = np.concatenate([*np.tile(self._steps(q), (2, 1)), np.full(z.size, _STEP)])
         state = np.concatenate([q, v, z])
-        columns = []
-        for k, step in enumerate([*np.tile(self._steps(q), 2), *np.full(z.size, _STEP)]):
-            e = step * np.eye(state.size)[k]
-            near, far = (
-                self._forces(state + m * e, acceleration) - self._forces(state - m * e, acceleration)
-                for m in (1.0, 2.0)
-            )
-            columns.append((8.0 * near - far) / (12.0 * step))
-        return np.array(columns).T
+        return by_differences(lambda y: self._forces(y, acceleration), state, np.diag(steps)) / steps
 
     def _steps(self, q: Array) -> Array:
         """Of the modal coordinates, as what they move asks for: a thick beam's shape of little mass turns far."""

@@ -23,6 +23,8 @@ Coordinate = tuple[str, str]
 
 #: Stages in which the point is brought from the start to the beginning of the path.
 _STAGES = 20
+#: Step of derivatives without a formula, such as those of a determinant [rad, m].
+_STEP = 1e-6
 
 
 def actuated(model: Model, motors: list[str]) -> list[Coordinate]:
@@ -81,9 +83,10 @@ class Guide:
         where = float(place[0]), float(place[1])
         closure = self.mechanism.solve(guess, {}, dict.fromkeys(self._origin, where), t)
         if closure.residual > CLOSED:
+            miss = np.linalg.norm(self.place(self.closest(guess, place, t), t) - place)
             raise AnalysisError(
                 f"{self.point} cannot reach ({where[0]:.6g}, {where[1]:.6g}) at t = {t:.6g} s: "
-                f"the nearest position found misses by {self._distance(guess, place, t):.4g} m"
+                f"the nearest position found misses by {miss:.4g} m"
             )
         return closure.q
 
@@ -153,34 +156,46 @@ class Guide:
         """All joint coordinates that are not driven, at the start of time."""
         return self.mechanism.joint_coordinates(q)
 
-    def _distance(self, guess: Array, place: Array, t: float) -> float:
-        """The least distance of the point from a place, near a guess, the loops closed."""
+    def closest(self, q: Array, place: Array, t: float, *vanishing: Callable[[Array], float]) -> Array:
+        """Nodal coordinates near q, loops closed, whose point is nearest to a place (2,): a local minimum.
+
+        vanishing: functions of nodal coordinates that are to be zero there, too.
+        """
         from scipy import optimize
 
         unknowns = self.mechanism.unknowns
 
         def at(x: Array) -> Array:
-            q = guess.copy()
-            q[unknowns] = x
-            return q
+            moved = q.copy()
+            moved[unknowns] = x
+            return moved
 
         def away(x: Array) -> Array:
             return self.place(at(x), t) - place
 
+        def slope(function: Callable[[Array], float], x: Array) -> Array:
+            steps = _STEP * np.eye(x.size)
+            return np.array([function(at(x + h)) - function(at(x - h)) for h in steps]) / (2.0 * _STEP)
+
+        closed = {
+            "type": "eq",
+            "fun": lambda x: self.miss(at(x), t),
+            "jac": lambda x: self.rows(at(x), t)[0],
+        }
+        zeros = [
+            {"type": "eq", "fun": lambda x, f=f: f(at(x)), "jac": lambda x, f=f: slope(f, x)}
+            for f in vanishing
+        ]
         minimise: Any = optimize.minimize  # its annotations know no method with gradients of constraints
         found = minimise(
             lambda x: float(away(x) @ away(x)),
-            guess[unknowns],
+            q[unknowns],
             jac=lambda x: 2.0 * away(x) @ self.rows(at(x), t)[2],
             method="SLSQP",
-            constraints={
-                "type": "eq",
-                "fun": lambda x: self.miss(at(x), t),
-                "jac": lambda x: self.rows(at(x), t)[0],
-            },
-            options={"ftol": 1e-12, "maxiter": 200},
+            constraints=[closed, *zeros],
+            options={"ftol": 1e-14, "maxiter": 200},
         )
-        return float(np.linalg.norm(away(found.x)))
+        return at(found.x)
 
     def _rows(self, q: Array, t: float) -> Array:
         """Of all loops, the motors' joints and the point."""

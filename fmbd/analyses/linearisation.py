@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from fmbd.analyses.arrangement import Arrangement
-from fmbd.analyses.dense_tangent import DenseTangent
+from fmbd.analyses.dense_tangent import DenseTangent, by_differences
 from fmbd.analyses.jacobians import pathway_rows
 from fmbd.analyses.motions import allowed_motions, to_nodal_basis
 from fmbd.errors import AnalysisError
@@ -236,13 +236,9 @@ class Linearisation:
         if not found:
             return {}
         torques = np.zeros((planar.motors.size, planar.nq))
-        for k in np.flatnonzero(~system.elastic):
-            e = np.eye(planar.nq)[k] * _TURN
-            near, far = (
-                gravity_compensation(system, q + step * e, t) - gravity_compensation(system, q - step * e, t)
-                for step in (1.0, 2.0)
-            )
-            torques[:, k] = (8.0 * near - far) / (12.0 * _TURN)
+        turns = _TURN * np.eye(planar.nq)[~system.elastic]
+        change = by_differences(lambda near: gravity_compensation(system, near, t), q, turns)
+        torques[:, ~system.elastic] = change / _TURN
         return {m: gain * torques[online] @ self.basis for m, (gain, online) in found.items()}
 
 

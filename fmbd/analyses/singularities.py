@@ -13,7 +13,6 @@ Automation 6 (3), 1990, pp. 281-290.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -21,8 +20,6 @@ from fmbd.analyses.guide import Guide
 
 Array = np.ndarray
 
-#: Step of the derivatives of a determinant [rad, m].
-_STEP = 1e-6
 _CLOSED = 1e-8
 #: Condition numbers of J above this are worth a remark.
 NEAR = 50.0
@@ -89,43 +86,10 @@ def nearest(guide: Guide, q: Array, t: float, kind: str) -> Singularity | None:
 
     A local minimum of the distance: where there are several singular curves, that of the one which q leads to.
     """
-    from scipy import optimize
-
-    unknowns = guide.mechanism.unknowns
     size: Callable[[Guide, Array, float], float] = {"parallel": parallel, "serial": serial}[kind]
     place = guide.place(q, t)
-
-    def at(x: Array) -> Array:
-        moved = q.copy()
-        moved[unknowns] = x
-        return moved
-
-    def slope(x: Array) -> Array:
-        steps = _STEP * np.eye(x.size)
-        return np.array([size(guide, at(x + h), t) - size(guide, at(x - h), t) for h in steps]) / (
-            2.0 * _STEP
-        )
-
-    def away(x: Array) -> Array:
-        return guide.place(at(x), t) - place
-
-    closed = [
-        {"type": "eq", "fun": lambda x: guide.miss(at(x), t), "jac": lambda x: guide.rows(at(x), t)[0]},
-        {"type": "eq", "fun": lambda x: size(guide, at(x), t), "jac": slope},
-    ]
-    options = {"ftol": 1e-14, "maxiter": 200}
-    minimise: Any = optimize.minimize  # its annotations know no method with gradients of constraints
-    found = minimise(
-        lambda x: float(away(x) @ away(x)),
-        q[unknowns],
-        jac=lambda x: 2.0 * away(x) @ guide.rows(at(x), t)[2],
-        method="SLSQP",
-        constraints=closed,
-        options=options,
-    )
-    there = at(found.x)
+    there = guide.closest(q, place, t, lambda near: size(guide, near, t))
     if max(np.abs(guide.miss(there, t)).max(initial=0.0), abs(size(guide, there, t))) > _CLOSED:
         return None
-    return Singularity(
-        kind, guide.place(there, t), guide.values(there, t), float(np.linalg.norm(away(found.x)))
-    )
+    found = guide.place(there, t)
+    return Singularity(kind, found, guide.values(there, t), float(np.linalg.norm(found - place)))
