@@ -235,6 +235,19 @@ def add_rest(parser: "argparse.ArgumentParser | argparse._ArgumentGroup") -> Non
     )
 
 
+def add_quantities(parser: argparse.ArgumentParser, text: str) -> None:
+    """The argument --quantity, with its help."""
+    parser.add_argument(
+        "--quantity",
+        metavar="NAME",
+        dest="quantities",
+        nargs="+",
+        action="extend",
+        required=True,
+        help=text,
+    )
+
+
 def add_analysis(parser: argparse.ArgumentParser) -> None:
     """The argument --analysis, and those of an equilibrium."""
     parser.add_argument(

@@ -11,6 +11,7 @@ from fmbd.cli.common import (
     add_jobs,
     add_model,
     add_plot,
+    add_quantities,
     columns,
     compiling_announced,
     facts,
@@ -56,14 +57,9 @@ def add(commands: Any) -> None:
         type=_over,
         help="values from coarse to fine; may be repeated: each is refined while the others are at their finest",
     )
-    parser.add_argument(
-        "--quantity",
-        metavar="NAME",
-        dest="quantities",
-        nargs="+",
-        action="extend",
-        required=True,
-        help="what is compared, as `fmbd info ARCHIVE --names` lists it; of modes frequency.1, damping_ratio.1 and so "
+    add_quantities(
+        parser,
+        "what is compared, as `fmbd info ARCHIVE --names` lists it; of modes frequency.1, damping_ratio.1 and so "
         "on, or mode.1.NAME, how much a mode of modal mass 1 moves what has the NAME",
     )
     add_analysis(parser)

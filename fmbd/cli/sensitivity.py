@@ -8,6 +8,7 @@ from fmbd.cli.common import (
     add_analysis,
     add_jobs,
     add_model,
+    add_quantities,
     columns,
     compiling_announced,
     progress_bar,
@@ -49,14 +50,9 @@ def add(commands: Any) -> None:
         help="numbers of the model file, such as bodies.rod.length, bodies.*.damping.mass_proportional, parameters.l1 "
         "or gravity.1",
     )
-    parser.add_argument(
-        "--quantity",
-        metavar="NAME",
-        dest="quantities",
-        nargs="+",
-        action="extend",
-        required=True,
-        help="what is differentiated, as `fmbd info ARCHIVE --names` lists it; of modes frequency.1 and so on",
+    add_quantities(
+        parser,
+        "what is differentiated, as `fmbd info ARCHIVE --names` lists it; of modes frequency.1 and so on",
     )
     add_analysis(parser)
     parser.add_argument(
