@@ -2,8 +2,8 @@
 
     N = Re(conj(e) (sum F + sum int q dx + int (g - a) dm)),    e = exp(i angle(x)), tension positive
 
-over the part from x to the end: F on its points, q distributed, a of its points as they moved. Beams have no axial
-coordinate whose stiffness could give it. Points of the plane are complex numbers, x + iy.
+over the part from x to the end: F on its points, q distributed, a of its points as they moved. What beams stretch
+by, if they do, is known where segments meet alone. Points of the plane are complex numbers, x + iy.
 """
 
 from collections.abc import Iterator
